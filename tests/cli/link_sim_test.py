@@ -14,7 +14,7 @@ import time
 
 from drone import FAKE, signed
 from program import GATEFLY, ROOT, Cli, main
-from simulated import Simulated, ended, free_ports
+from simulated import Simulated, ended, flown_and_landed, free_ports
 
 FAKE_SITL = FAKE + "_sitl"
 FAKE_ARDU_SITL = os.environ.get("GATEFLY_FAKE_ARDUCOPTER", "") + "_sitl"
@@ -87,14 +87,7 @@ class OverTheLink(Cli):
         self.assertIn("ready", world.stderr.readline())
         pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"mavlink:tcp:127.0.0.1:{line}", "--drone",
                            signed(self, ARDU.read_text(encoding="utf-8")), "--json")
-        told, heard = world.communicate(timeout=120)
-        outcome = json.loads(told)
-        told, said = pilot.communicate(timeout=20)
-        flown = json.loads(told)
-        everything = f"{outcome}\n{heard}\n{said}"
-        self.assertTrue(outcome["finished"] and outcome["landed"], everything)
-        self.assertEqual(flown["gates_passed"], outcome["gates_passed"])
-        self.assertLess(flown["sticks"]["longest_gap_ms"], 50)
+        flown_and_landed(self, world, pilot)
 
     def test_without_a_controller_it_says_so(self):
         ended(self.drone.controller)

@@ -3,6 +3,7 @@
 controller is a fake that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), or Betaflight's own simulator target, set up as
 tests/live/betaflight_4_5.txt says; or ArduCopter's; or none, where link-sim speaks TS-002 itself.
 """
+import json
 import os
 import pathlib
 import shutil
@@ -36,6 +37,19 @@ def ended(process):
     for stream in (process.stdin, process.stdout, process.stderr):
         if stream:
             stream.close()
+
+
+def flown_and_landed(test, world, pilot):
+    """Waits for link-sim and run, both with --json, and expects that they finished, landed, and agree. @return link-sim's outcome and run's."""
+    told, heard = world.communicate(timeout=120)
+    outcome = json.loads(told)
+    told, said = pilot.communicate(timeout=20)
+    flown = json.loads(told)
+    everything = f"{outcome}\n{heard}\n{said}"
+    test.assertTrue(outcome["finished"] and outcome["landed"], everything)
+    test.assertEqual(flown["gates_passed"], outcome["gates_passed"])
+    test.assertLess(flown["sticks"]["longest_gap_ms"], 50)
+    return outcome, flown
 
 
 class Simulated:

@@ -5,7 +5,6 @@ them; in real time.
 
 usage: ts002_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
-import json
 import signal
 import socket
 import struct
@@ -14,7 +13,7 @@ import time
 
 from program import GATEFLY, ROOT, main
 from drone import Beside
-from simulated import free_ports
+from simulated import flown_and_landed, free_ports
 
 sys.path.insert(0, str(ROOT / "tools"))
 from ts002_conformance import CLOCK, HEARTBEAT, IMU, MESSAGES, frame_of  # noqa: E402
@@ -41,14 +40,7 @@ class Ts002(Beside):
         for more in ([], ["--second-round"]):
             with self.subTest(more):
                 world, pilot = self.world("--loss", "0.005", "--reorder", "0.02", *more), self.pilot("--json")
-                told, heard = world.communicate(timeout=120)
-                outcome = json.loads(told)
-                told, said = pilot.communicate(timeout=20)
-                flown = json.loads(told)
-                everything = f"{outcome}\n{heard}\n{said}"
-                self.assertTrue(outcome["finished"] and outcome["landed"], everything)
-                self.assertEqual(flown["gates_passed"], outcome["gates_passed"])
-                self.assertLess(flown["sticks"]["longest_gap_ms"], 50)
+                flown_and_landed(self, world, pilot)
 
     def test_the_simulator_keeps_the_rules(self):
         self.world()

@@ -22,7 +22,7 @@ namespace gatefly {
 /// The legs of the course: planned, or by the paper's exits.
 [[nodiscard]] Course course_of(const PilotConfig& config);
 
-/// The eye: with the map among the filter's states, of the gate that is flown to alone, or the paper's.
+/// The eye: one for the filter that has the map among its states, one that knows the next gate alone, or the paper's.
 class ChosenLookout {
  public:
   explicit ChosenLookout(const PilotConfig& config);
@@ -31,7 +31,7 @@ class ChosenLookout {
   void look(const Sensors& sensors, bool looking, const Course& course, Navigator& navigator);
   /// Result of the last picture.
   [[nodiscard]] const Sighting& sighting() const;
-  /// See MapLookout; true of the others, which do not know.
+  /// See MapLookout::would_show_whole; the others do not know, and answer true.
   [[nodiscard]] bool would_show_whole(const MapGate& gate, const Eigen::Vector3d& p_GB) const;
   /// Whether the filter has diverged; null where the eye does not judge it.
   [[nodiscard]] const eskf::Monitor* monitor() const;
@@ -40,7 +40,7 @@ class ChosenLookout {
   std::variant<Lookout, PaperLookout, MapLookout> lookout_;
 };
 
-/// The outer loop: ours, or the paper's. Functions as of Guidance.
+/// The outer loop: ours, or the paper's. Each function does what Guidance says of it.
 class ChosenGuidance {
  public:
   explicit ChosenGuidance(const PilotConfig& config);

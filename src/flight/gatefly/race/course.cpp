@@ -109,7 +109,7 @@ bool Course::ran_out() const {
   return finished() && (!leads_on() || progress_ >= wanted);
 }
 
-// Of a single lap no leg leads away from the last gate.
+// A race of a single lap has no leg that leads away from its last gate.
 bool Course::leads_on() const { return !by_exits_ && plan_.legs.size() == track_.gates.size(); }
 
 const Stop* Course::stop() const {

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "gatefly/link/mavlink_axes.hpp"
+#include "gatefly/live/ts002_introduction.hpp"
 
 namespace gatefly::live {
 namespace {
@@ -21,7 +22,6 @@ constexpr nanoseconds kAttitudeGone = 1s;  ///< Then roll and pitch follow from 
 constexpr int kRestSamples = 60;           ///< ... of which it has seen so many at rest.
 /// For so long a heartbeat of TS-002 tells whether it is armed, as long as anything else comes.
 constexpr nanoseconds kBeatHolds = 3s;
-constexpr std::uint8_t kGeneric = 0, kInvalid = 8;  // MAV_AUTOPILOT: none that is known
 
 nanoseconds interval_of(double hz) { return nanoseconds{std::llround(1e9 / hz)}; }
 
@@ -143,7 +143,7 @@ void MavlinkListener::level_by(const Imu& imu, std::optional<double> since_last,
     level_.update_at_rest(imu);
   else if (since_last)
     level_.update(imu, Eigen::Vector3d::Zero(), *since_last);
-  // Who hears it in the air first does not know what was level.
+  // One that hears it only in the air does not know what was level.
   if (level_.rest_samples() < kRestSamples) return;
   if (now - std::max(started_, wishes_[kAttitude].heard) < kAttitudeGone) return;
   state_.attitude = level_.attitude();
@@ -171,7 +171,7 @@ void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
     state_.armed = (beat->base_mode & kArmedBit) != 0;
     if (was_armed && !state_.armed) level_ = levelled(params_);
     // A real drone's autopilot is somebody else's to fly.
-    is_real_ = is_real_ || (beat->autopilot != kGeneric && beat->autopilot != kInvalid);
+    is_real_ = is_real_ || autopilot_in(*beat);
     state_.override_on = params_.ts002 ? state_.armed : beat->custom_mode == mavlink::kGuidedNoGps;
     state_.lifted = state_.armed && beat->system_status >= kInAir;
     heard_beat_at_ = now;

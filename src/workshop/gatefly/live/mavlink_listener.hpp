@@ -80,7 +80,7 @@ class MavlinkListener : public Listener {
   std::optional<std::uint32_t> attitude_stamp_, target_stamp_;  ///< Stamps of the last ones [ms].
   std::int64_t last_answered_ = 0;  ///< Time of the last question of a set point that was answered.
   PeerClock clock_;
-  Ahrs level_;                                   ///< Of a TS-002 simulator.
+  Ahrs level_;  ///< Roll and pitch of a TS-002 simulator by its IMU.
   std::optional<mavlink::Timesync> to_be_told_;  ///< It has asked for our clock.
   bool sampled_ = false, is_real_ = false;
   std::array<std::uint8_t, 512> room_{};

@@ -7,7 +7,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "gatefly/link/mavlink_telemetry.hpp"
 #include "gatefly/live/clock.hpp"
 #include "gatefly/live/mavlink_words.hpp"
 
@@ -21,6 +20,8 @@ constexpr auto kAskedAgain = 300ms;  ///< A question that is not answered is ask
 constexpr auto kOthers = 1200ms;     ///< Any other program sends a heartbeat each second.
 constexpr std::uint8_t kArmedFlag = 128, kUnknownMake = 0, kNoMake = 8, kArduPilot = 3, kPx4 = 12;
 
+}  // namespace
+
 std::optional<std::string_view> autopilot_in(const mavlink::Heartbeat& beat) {
   if (beat.autopilot == kArduPilot) return "an ArduPilot";
   if (beat.autopilot == kPx4) return "a PX4";
@@ -28,8 +29,6 @@ std::optional<std::string_view> autopilot_in(const mavlink::Heartbeat& beat) {
     return "an autopilot of a known make";
   return std::nullopt;
 }
-
-}  // namespace
 
 Ts002Introduction ts002_introduction_of(Port& port, int system) {
   MavlinkWords words{system};

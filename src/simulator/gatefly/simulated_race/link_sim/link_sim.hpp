@@ -50,8 +50,8 @@ struct LinkSimParams {
   Ports ports;
   betaflight_sitl::Release release = betaflight_sitl::Release::k4_5;
   int baud = 115200;
-  NetworkTroubles network;     ///< Of pictures, and of all that TS-002 says.
-  bool tells_attitude = true;  ///< Of TS-002: not in its second round.
+  NetworkTroubles network;     ///< Acts on pictures, and on every message of TS-002.
+  bool tells_attitude = true;  ///< TS-002 does not, in its second round.
   SafetyPilot::Params radio;
   /// So long after the hand-over the cable is pulled, or the camera hangs [s]; nullopt: never.
   std::optional<double> link_out, camera_out;

@@ -7,7 +7,7 @@
 #include "gatefly/link/mavlink_axes.hpp"
 #include "gatefly/link/mavlink_commands.hpp"
 
-// What a set point of MAVLink asks of a drone: the outer loops of an autopilot that knows where it is, as a simulator does.
+// The outer loops of an autopilot that knows where it is, as a simulator does: from a set point of MAVLink to rates and thrust.
 
 namespace gatefly::link_sim {
 

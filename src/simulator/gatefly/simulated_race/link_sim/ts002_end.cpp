@@ -12,10 +12,10 @@
 namespace gatefly::link_sim {
 namespace {
 
-constexpr double kStep = 1e-3;                                       ///< Of the physics [s].
+constexpr double kStep = 1e-3;                                       ///< A step of the physics [s].
 constexpr double kImuHz = 120.0, kAttitudeHz = 60.0, kBeatHz = 2.0;  ///< TS-002: physics at 120 Hz.
 constexpr double kLetsGo = 0.5;  ///< A set point that is older is none. Ours [s].
-constexpr double kSpeaks = 2.0;  ///< Who has said nothing for longer is gone [s].
+constexpr double kSpeaks = 2.0;  ///< A pilot that has said nothing for longer is gone [s].
 constexpr int kSwitchedOn = 1700;
 constexpr mavlink::Sender kDrone{1, 1, 0};
 

@@ -58,7 +58,7 @@ class Ts002End : public Controller {
   mavlink::Stream stream_;
   long steps_ = 0;
   std::uint8_t sequence_ = 0;
-  std::uint32_t stamp_ = 0;  ///< Of the last set point [ms].
+  std::uint32_t stamp_ = 0;  ///< Stamp of the last set point [ms].
   bool armed_ = false, told_armed_ = false, cut_ = false;
 };
 
