@@ -93,13 +93,10 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
   if (drone.ts002)
     throw std::runtime_error(options.hand_over +
                              ": a TS-002 simulator needs no hand-over test: gatefly run flies it");
-  if (drone.ardu || link.mavlink)
-    throw std::runtime_error(options.hand_over +
-                             ": there is no hand-over test for an ArduCopter yet; look on with "
-                             "gatefly run --shadow");
   (void)live::with_hand_over_mark(drone, files::read_file(drone.path),
                                   "");  // that it can be written
   live::Introduced met = live::introduced(link, drone, false);
+  if (config.pilot.filter_imu_hz > 0.0) met.known.imu_hz = config.pilot.filter_imu_hz;
   // From now on it has not passed, however this ends.
   if (!drone.tested.empty()) set_mark(drone, "");
   catch_interrupt();
@@ -126,6 +123,11 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
                       "drone, until the file or the program changes");
 }
 
+std::string next_step(const std::string& drone) {
+  return "for --shadow; to fly, next: gatefly bench-drone --hand-over " + drone +
+         " --propellers-off --link URI --camera URI";
+}
+
 /// The same of an ArduCopter.
 int bench_ardu(const BenchDroneOptions& options, const live::LinkUri& uri, live::Port port) {
   const live::ArduIntroduction said = live::ardu_introduction_of(port, uri.system);
@@ -145,8 +147,7 @@ int bench_ardu(const BenchDroneOptions& options, const live::LinkUri& uri, live:
   protocol.add(live::of_link(link, 3s));
   if (!protocol.well()) return protocol.end();
   files::write_file(options.out, live::drone_toml(*drone.ardu, options.told));
-  return protocol.end(options.out,
-                      "for --shadow: there is no hand-over test for an ArduCopter yet");
+  return protocol.end(options.out, next_step(options.out));
 }
 
 /// gatefly bench-drone: exit 0 all is well and the file written, 1 something is wrong with the drone, 2 unusable input.
@@ -187,8 +188,7 @@ int bench_drone(const BenchDroneOptions& options) {
   protocol.add(live::of_link(port, *said.facts.order(), 3s));
   if (!protocol.well()) return protocol.end();
   files::write_file(options.out, live::drone_toml(said, scale, options.told));
-  return protocol.end(options.out, "for --shadow; to fly, next: gatefly bench-drone --hand-over " +
-                                       options.out + " --propellers-off --link URI --camera URI");
+  return protocol.end(options.out, next_step(options.out));
 }
 
 }  // namespace

@@ -5,37 +5,31 @@ Skipped without GATEFLY_ARDUCOPTER, which tools/autopilots.sh --arducopter build
 
 usage: arducopter_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """
-import json
 import os
-import socket
+import tempfile
 import unittest
 
-from drone import Beside, free_ports, signed
 from program import GATEFLY, ROOT, main
+from simulated import ArduCopter, ended, flown_and_landed
 
 ARDUCOPTER = os.environ.get("GATEFLY_ARDUCOPTER", "")
-DRONE = ROOT / "tests" / "live" / "arducopter_sim.toml"
-PARAMETERS = ROOT / "tests" / "live" / "arducopter.parm"
 
 
 @unittest.skipUnless(ARDUCOPTER, "GATEFLY_ARDUCOPTER is not set: tools/autopilots.sh --arducopter builds it")
-class RealArduCopter(Beside):
-    def test_it_is_handed_over_takes_off_and_passes_the_first_gate(self):
-        line, = free_ports(1, socket.SOCK_STREAM)
-        pictures, = free_ports(1, socket.SOCK_DGRAM)
-        drone = ["--config", "archer-b2", "--config", "arducopter"]
-        world = self.start(GATEFLY, "link-sim", "oval", "--laps", "1", "--seed", "1001", *drone, "--autopilot", "arducopter", "--set", "sim.camera_quality=fast", "--json",
-                           "--time-limit", "60", "--baud", "921600", "--msp", line, "--pictures", pictures)
-        self.start(ARDUCOPTER, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", PARAMETERS, "-I0", "--home", "52,4.37,0,0")
-        self.assertIn("ready", world.stderr.readline())
-        pilot = self.start(GATEFLY, "run", "oval", "--laps", "1", *drone, "--camera", f"udp-jpeg:{pictures}", "--link", f"mavlink:tcp:127.0.0.1:{line}", "--drone",
-                           signed(self, DRONE.read_text(encoding="utf-8")), "--json")
-        told, heard = world.communicate(timeout=120)
-        outcome = json.loads(told)
-        told, said = pilot.communicate(timeout=20)
-        everything = f"{outcome}\n{heard}\n{said}"
-        self.assertGreaterEqual(outcome["gates_passed"], 1, everything)
-        self.assertLess(json.loads(told)["sticks"]["longest_gap_ms"], 50, everything)
+class RealArduCopter(unittest.TestCase):
+    def test_it_passes_at_the_bench_and_in_the_hand_over_test_and_flies_a_lap(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        drone = ArduCopter(GATEFLY, ROOT, folder.name, ARDUCOPTER, camera="grandprix")
+        self.addCleanup(drone.end)
+        file, said = drone.benched(7)
+        for line in ("roll, pitch, yaw and throttle as sent", "the controller lets go of the last set point after", "the hand-over test has passed"):
+            self.assertIn(line, said)
+        world = drone.world("--laps", "1", "--seed", "1001", "--json", "--time-limit", "60")
+        self.addCleanup(ended, world)
+        pilot = drone.run("--laps", "1", "--drone", file, "--json")
+        self.addCleanup(ended, pilot)
+        flown_and_landed(self, world, pilot)
 
 
 if __name__ == "__main__":

@@ -14,7 +14,7 @@ import time
 import tomllib
 
 from drone import DRONE, Handed, end_of
-from program import GATEFLY, main
+from program import GATEFLY, ROOT, main
 
 # Answers of somebody at the radio; the first that is in the line.
 RADIO = (("rest", "switch the override off, then disarm"), ("arm", "hands off them; arm"), ("override on", "switch the override on"),
@@ -22,13 +22,15 @@ RADIO = (("rest", "switch the override off, then disarm"), ("arm", "hands off th
 
 
 class HandOver(Handed):
+    OF_DRONE = DRONE
+
     def setUp(self):
         super().setUp()
-        self.drone = self.file("drone.toml", DRONE.read_text(encoding="utf-8"))
+        self.drone = self.file("drone.toml", self.OF_DRONE.read_text(encoding="utf-8"))
         self.asked = []
 
     def flags(self, *more):
-        return ["bench-drone", "--hand-over", str(self.drone), "--propellers-off", "--link", f"msp:tcp:127.0.0.1:{self.fake.port}", "--camera", "gst:videotestsrc",
+        return ["bench-drone", "--hand-over", str(self.drone), "--propellers-off", "--link", self.link(), "--camera", "gst:videotestsrc",
                 "--step-s", "4", *more]
 
     def background(self, *more):
@@ -74,7 +76,7 @@ class HandOver(Handed):
 
     def wrong(self, *faults, line, before=lambda what, count: None):
         """It has not passed: its line is the last finding, there is no mark, and the drone is nobody's."""
-        self.drone.write_text(self.signed().read_text(encoding="utf-8"), encoding="utf-8")
+        self.drone.write_text(self.signed(self.OF_DRONE.read_text(encoding="utf-8")).read_text(encoding="utf-8"), encoding="utf-8")
         code, out = self.walked(*faults, before=before)
         self.assertEqual(code, 1, out + "\n".join(self.asked))
         found = [each for each in out.splitlines() if each.startswith("WRONG")]
@@ -114,6 +116,46 @@ class Passed(HandOver):
         self.assertEqual((code, told["well"], told["file"]), (0, True, str(self.drone)), out)
         self.assertTrue(any("the radio's again after" in each["line"] and "hold your sticks" in each["line"] for each in told["findings"]), out)
         self.assertEqual(self.drone.read_text(encoding="utf-8").count("passed"), 1)
+
+
+class OverMavlink(HandOver):
+    """An ArduCopter, whose channels are its own: what is read back is the set point that it flies by, and its mode is the override."""
+
+    FAKE = os.environ.get("GATEFLY_FAKE_ARDUCOPTER", "")
+    CONFIG = "arducopter"
+    OF_DRONE = ROOT / "tests" / "live" / "fake_arducopter.toml"
+
+    def link(self):
+        return f"mavlink:tcp:127.0.0.1:{self.fake.port}"
+
+    def test_a_healthy_drone_passes_and_run_takes_it(self):
+        before = self.drone.read_text(encoding="utf-8")
+        code, out = self.walked()
+        self.assertEqual(code, 0, out + "\n".join(self.asked))
+        self.assertNotIn("WRONG", out)
+        for line in ("acknowledged, pictures come", "roll, pitch, yaw and throttle as sent", "another mode within", "camera out: it brakes", "program killed (-9): the second process sends after",
+                     "lets go of the last set point after", "from one to the next", "the hand-over test has passed"):
+            self.assertIn(line, out)
+        self.assert_left_alone()
+        self.assertTrue(self.drone.read_text(encoding="utf-8").startswith(before.rstrip("\n")), "the rest of the file is another one")
+        process = self.start(drone=self.drone)
+        frames = len(self.fake.rows("frame"))
+        self.until(lambda: process.poll() is not None or len(self.fake.rows("frame")) > frames + 10)
+        self.assertIsNone(process.poll())
+        process.terminate()
+        process.communicate(timeout=10)
+
+    def test_set_points_that_are_not_obeyed(self):
+        self.wrong("deaf", line="override on: roll and pitch and yaw and throttle not as sent")
+
+    def test_a_pitch_that_is_flown_the_other_way(self):
+        self.wrong("pitch obeyed inverted", line="override on: pitch not as sent")
+
+    def test_a_set_point_that_is_held_for_ever(self):
+        self.wrong("holds on", line="the controller holds the last set point for longer than 2000 ms")
+
+    def test_a_mode_that_does_not_change(self):
+        self.wrong(line="for 4 s the controller has not seen this at the radio: switch the override off", before=lambda word, count: word == "override off")
 
 
 class Smoke(HandOver):

@@ -6,7 +6,7 @@ simulator's truth (link-sim --log). In real time; leave both cores to it.
 usage: killed_in_flight.py GATEFLY REPOSITORY_ROOT FAKE [--strikes program,camera,both,link] [--runs 10] [--first-seed 1001] [--kept FILE] [--delay S]
        killed_in_flight.py --table FILE...
     FAKE       tests/fake_betaflight_sitl of the build; or Betaflight's simulator, with --memory its eeprom.bin (tests/live/betaflight_4_5.txt); or ArduCopter's,
-               with --signs tests/fake_betaflight of the build
+               with --arducopter
     --ahead    words before the controller's and link-sim's programs: 'chrt -f 20', so that a busy machine does not make them late
     --kept     a file to which every run is added, a line of JSON
     --table    prints the table of such files
@@ -130,7 +130,7 @@ def main():
     parser.add_argument("root", nargs="?")
     parser.add_argument("fake", nargs="?")
     parser.add_argument("--memory", default="")
-    parser.add_argument("--signs", default="")
+    parser.add_argument("--arducopter", action="store_true")
     parser.add_argument("--ahead", default="")
     parser.add_argument("--strikes", default=",".join(STRIKES))
     parser.add_argument("--runs", type=int, default=10)
@@ -151,8 +151,8 @@ def main():
             own = pathlib.Path(tempfile.mkdtemp(dir=folder))
             program, root, fake = (pathlib.Path(path).resolve() for path in (options.gatefly, options.root, options.fake))
             ahead = options.ahead.split()
-            if options.signs:
-                return ArduCopter(program, root, own, fake, pathlib.Path(options.signs).resolve(), ahead=ahead)
+            if options.arducopter:
+                return ArduCopter(program, root, own, fake, ahead=ahead)
             return Simulated(program, root, own, ahead=ahead, **({"betaflight": fake, "memory": options.memory} if options.memory else {"fake": fake}))
         file = options.drone and pathlib.Path(options.drone).resolve()
         if not file:

@@ -135,11 +135,6 @@ class Bench(WithArdu):
     def test_a_timeout_that_is_too_long(self):
         self.wrong("parameter GUID_TIMEOUT 3", "GUID_TIMEOUT = 1")
 
-    def test_there_is_no_hand_over_test_yet(self):
-        drone = self.file("drone.toml", ARDU.read_text(encoding="utf-8"))
-        said = self.refused("bench-drone", "--hand-over", drone, "--propellers-off", "--link", self.link(), "--camera", "udp-jpeg:5600")
-        self.assertIn("there is no hand-over test for an ArduCopter yet", said)
-
 
 if __name__ == "__main__":
     main()

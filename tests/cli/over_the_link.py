@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Races that `gatefly run` flies behind a flight controller's program and `gatefly link-sim`, one seed after another, in real time; leave both cores to it.
 
-usage: over_the_link.py GATEFLY REPOSITORY_ROOT FAKE_BETAFLIGHT CONTROLLER [--memory eeprom.bin | --arducopter | --ts002] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
+usage: over_the_link.py GATEFLY REPOSITORY_ROOT CONTROLLER [--memory eeprom.bin | --arducopter | --ts002] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
                         [--loss 0.02] [--reorder 0.02] [--ahead 'chrt -f 20'] [--kept FILE]
-    FAKE_BETAFLIGHT  tests/fake_betaflight of the build, which signs drone files
     CONTROLLER       tests/fake_betaflight_sitl; or Betaflight's simulator with --memory (tests/live/betaflight_4_5.txt); or ArduCopter's with --arducopter; with --ts002
                      link-sim speaks TS-002 and there is none: any word
     --kept           a file to which every race is added, a line of JSON; races that are in it are not flown again
@@ -49,7 +48,7 @@ def flown(drone, file, options, seed):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    for name in ("gatefly", "root", "fake", "controller"):
+    for name in ("gatefly", "root", "controller"):
         parser.add_argument(name)
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument("--memory", default="")
@@ -68,7 +67,7 @@ def main():
     parser.add_argument("--drone", help="a drone.toml with a passed hand-over test; without it, one is made")
     parser.add_argument("--keep-folders", help="where the flights' folders go")
     options = parser.parse_args()
-    resolved = {name: pathlib.Path(getattr(options, name)).resolve() for name in ("gatefly", "root", "fake", "controller")}
+    resolved = {name: pathlib.Path(getattr(options, name)).resolve() for name in ("gatefly", "root", "controller")}
     kept = pathlib.Path(options.kept) if options.kept else None
     races = [json.loads(line) for line in kept.read_text(encoding="utf-8").splitlines()] if kept and kept.exists() else []
     with tempfile.TemporaryDirectory(prefix="gatefly-over-link-") as folder:
@@ -78,7 +77,7 @@ def main():
             if options.ts002:
                 return Ts002(resolved["gatefly"], resolved["root"], own, **around)
             if options.arducopter:
-                return ArduCopter(resolved["gatefly"], resolved["root"], own, resolved["controller"], resolved["fake"], **around)
+                return ArduCopter(resolved["gatefly"], resolved["root"], own, resolved["controller"], **around)
             which = {"betaflight": resolved["controller"], "memory": options.memory} if options.memory else {"fake": resolved["controller"]}
             return Simulated(resolved["gatefly"], resolved["root"], own, **which, **around)
         file = options.drone and pathlib.Path(options.drone).resolve()

@@ -154,27 +154,15 @@ class Simulated:
 class ArduCopter(Simulated):
     """ArduCopter's own simulator with the JSON interface (tools/autopilots.sh), set up as tests/live/arducopter.parm says."""
 
-    def __init__(self, gatefly, root, folder, program, signs, track="oval", camera="", ahead=()):
-        """signs: tests/fake_betaflight of the build, which signs a drone file."""
+    def __init__(self, gatefly, root, folder, program, track="oval", camera="", ahead=()):
         self._around(gatefly, root, folder, track, camera, ahead)
         self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
         self.ports.update(controller=5760, servos=9002, radio=5501)
         self.world_words = ["--autopilot", "arducopter"]
-        self.signs = signs
+        self.told = ["--exponent", "0.88"]
         self.controller = self.start(*ahead, program, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", self.root / "tests" / "live" / "arducopter.parm", "-I0",
                                      "--home", "52,4.37,0,0", "--wipe", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.link = ["--link", f"mavlink:tcp:127.0.0.1:{self.ports['msp']}"]
-
-    def benched(self, seed):
-        """A drone.toml as tests/live has it, signed: there is no hand-over test for ArduCopter yet."""
-        content = (self.root / "tests" / "live" / "arducopter_sim.toml").read_text(encoding="utf-8")
-        plain = self.folder / "plain.toml"
-        plain.write_text(content, encoding="utf-8")
-        flies = pathlib.Path(self.gatefly).with_name("gatefly-lab")
-        mark = subprocess.run([self.signs, "--sign", plain, flies if flies.exists() else self.gatefly], capture_output=True, text=True, check=True).stdout.strip()
-        signed = self.folder / "drone.toml"
-        signed.write_text(f'{content}\n[hand_over_test]\npassed = "{mark}"\n', encoding="utf-8")
-        return signed, f"seed {seed}: not flown for it"
 
 
 class Ts002(Simulated):

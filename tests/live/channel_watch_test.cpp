@@ -49,6 +49,21 @@ TEST_F(Watched, ALongDelayIsWrong) {
   EXPECT_EQ(watch_.not_following(), "roll and pitch and yaw");
 }
 
+TEST_F(Watched, AStepThatIsRoundedOffIsWellOnlyWhereItMayBe) {
+  const auto halfway = [](std::chrono::milliseconds t) {
+    return t % 500ms == 0ms && t > 0ms ? msp::Sticks{1510, 1490, 1480, 1300} : sticks_at(t - 5ms);
+  };
+  run(halfway);
+  EXPECT_GT(watch_.wrong(), 0);
+  watch_ = ChannelWatch{true};
+  run(halfway);
+  EXPECT_EQ(watch_.wrong(), 0);
+  watch_.begin(start_ + 3s);
+  watch_.sent(kOne, start_ + 3s);
+  watch_.read({1650, 1490, 1480, 1300}, start_ + 3010ms);
+  EXPECT_EQ(watch_.wrong(), 1) << "beyond both";
+}
+
 TEST_F(Watched, OneChannelThatStandsStillIsNamed) {
   run([](auto t) {
     msp::Sticks sticks = sticks_at(t);

@@ -86,7 +86,8 @@ class FakeArduCopter {
   /// Words for the radio and for faults: "arm", "disarm", "override on" (GUIDED_NOGPS), "override off" (STABILIZE), "land" (its own
   /// mode), "freeze imu", "cut", "mark", "turn 0" (by hand, a quarter about an axis and back), "invert pitch", "swap axes",
   /// "gyro scale 2", "no accelerometer", "other" (another computer aboard), "twin" (one with our name), "station" (a ground station),
-  /// "silent", "coarse" (no HIGHRES_IMU), "battery 18.5", "parameter NAME VALUE". False: no such word.
+  /// "silent", "coarse" (no HIGHRES_IMU), "battery 18.5", "parameter NAME VALUE", "deaf" (to set points), "pitch obeyed inverted",
+  /// "holds on" (to the last set point, for ever). False: no such word.
   bool obey(const std::string& word) {
     const std::lock_guard lock{mutex_};
     if (word == "arm")
@@ -123,6 +124,12 @@ class FakeArduCopter {
       other_ = mavlink::Sender{255, 190, 0}, other_type_ = 6;
     else if (word == "silent")
       silent_ = true;
+    else if (word == "deaf")
+      deaf_ = true;
+    else if (word == "pitch obeyed inverted")
+      obeys_inverted_ = true;
+    else if (word == "holds on")
+      holds_on_ = true;
     else if (word == "coarse")
       coarse_ = true;
     else if (word.starts_with("battery "))
@@ -163,9 +170,10 @@ class FakeArduCopter {
   };
   [[nodiscard]] Obeyed obeyed() const {
     Obeyed is;
-    if (!armed_ || mode_ != mavlink::kGuidedNoGps) return is;
-    if (seconds() - target_at_ <= parameters_.at("GUID_TIMEOUT")) {
+    if (!armed_ || mode_ != mavlink::kGuidedNoGps || deaf_) return is;
+    if (holds_on_ || seconds() - target_at_ <= parameters_.at("GUID_TIMEOUT")) {
       is.rates_B = {target_.body_roll_rate, target_.body_pitch_rate, target_.body_yaw_rate};
+      if (obeys_inverted_) is.rates_B.y() *= -1;
       is.thrust = target_.thrust;
       return is;
     }
@@ -389,7 +397,8 @@ class FakeArduCopter {
   double last_ = 0, logged_ = 0, target_at_ = -100, guided_at_ = -10, other_at_ = 0,
          battery_v_ = 24.0, turned_from_ = -10.0, gyro_part_ = 1.0;
   bool armed_ = false, frozen_ = false, released_ = false, silent_ = false, coarse_ = false,
-       inverted_ = false, swapped_ = false, no_accel_ = false, marked_ = false;
+       inverted_ = false, swapped_ = false, no_accel_ = false, marked_ = false, deaf_ = false,
+       obeys_inverted_ = false, holds_on_ = false;
   std::optional<Imu> felt_;
   FakeBody body_;
   Rng rng_{1};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cstdlib>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -40,7 +41,7 @@ std::string text_of(const msp::Sticks& sticks) {
 
 void ChannelWatch::begin(Moment from) {
   from_ = from;
-  reads_ = 0, wrong_ = 0, off_ = {}, behind_ = {};
+  reads_ = 0, wrong_ = 0, follows_ = false, off_ = {}, behind_ = {};
 }
 
 void ChannelWatch::sent(const msp::Sticks& sticks, Moment at) {
@@ -52,6 +53,7 @@ void ChannelWatch::sent(const msp::Sticks& sticks, Moment at) {
 void ChannelWatch::read(const msp::Sticks& sticks, Moment at) {
   if (at < from_) return;
   ++reads_;
+  follows_ = true;
   std::optional<Moment> newer;  // since when one was sent that is not to be seen
   std::array<bool, 4> nearest{true, true, true, true};
   for (std::size_t i = frames_.size(); i-- > 0;) {
@@ -67,8 +69,27 @@ void ChannelWatch::read(const msp::Sticks& sticks, Moment at) {
     newer = frame.at;
     if (frame.at + kLag < at) break;
   }
+  if (rounds_steps_off_ && between_frames(sticks, at)) return;
+  follows_ = false;
   if (wrong_++ == 0) wrong_one_ = sticks;
   for (std::size_t i = 0; i < 4; ++i) off_[i] = off_[i] || nearest[i];
+}
+
+/// Whether each channel is between what frames of the last kLag, and the one in effect at its beginning, have for it.
+bool ChannelWatch::between_frames(const msp::Sticks& sticks, Moment at) const {
+  const auto is = channels_of(sticks);
+  std::array<int, 4> low, high;
+  low.fill(std::numeric_limits<int>::max()), high.fill(std::numeric_limits<int>::min());
+  for (auto frame = frames_.rbegin(); frame != frames_.rend(); ++frame) {
+    if (frame->at > at) continue;
+    const auto sent = channels_of(frame->sticks);
+    for (std::size_t i = 0; i < 4; ++i)
+      low[i] = std::min(low[i], sent[i] - kWithin), high[i] = std::max(high[i], sent[i] + kWithin);
+    if (frame->at + kLag < at) break;
+  }
+  for (std::size_t i = 0; i < 4; ++i)
+    if (is[i] < low[i] || is[i] > high[i]) return false;
+  return true;
 }
 
 std::string ChannelWatch::not_following() const {

@@ -21,12 +21,15 @@ namespace gatefly::live {
 /// Compares the channels that a controller flies by with the stick frames that were sent to it.
 ///
 /// Sticks that are read back must be those of a frame of the last kLag, or of the one in effect at its beginning: the line, the
-/// controller and the answer take time. A frame counts as a whole: channels of two frames are none of them.
+/// controller and the answer take time. A frame counts as a whole: channels of two frames are none of them. One that rounds steps off, as
+/// ArduCopter does with set points, may be on its way between two of these frames.
 class ChannelWatch {
  public:
   static constexpr std::chrono::nanoseconds kLag =
       std::chrono::milliseconds{130};  ///< Two periods of sticks and a turn of the status.
   static constexpr int kWithin = 2;    ///< [µs]
+
+  explicit ChannelWatch(bool rounds_steps_off = false) : rounds_steps_off_{rounds_steps_off} {}
 
   /// Only what is read back from then on counts.
   void begin(Moment from);
@@ -36,6 +39,8 @@ class ChannelWatch {
 
   [[nodiscard]] int reads() const { return reads_; }
   [[nodiscard]] int wrong() const { return wrong_; }
+  /// The last that was read was right.
+  [[nodiscard]] bool follows() const { return follows_; }
   /// The longest time for which a newer frame was not to be seen yet.
   [[nodiscard]] std::chrono::nanoseconds behind() const { return behind_; }
   /// "yaw and throttle": those that did not follow; "" when all did.
@@ -48,9 +53,13 @@ class ChannelWatch {
     msp::Sticks sticks;
     Moment at;
   };
+  [[nodiscard]] bool between_frames(const msp::Sticks& sticks, Moment at) const;
+
+  bool rounds_steps_off_;
   std::deque<Frame> frames_;  ///< Newest last.
   Moment from_{};
   int reads_ = 0, wrong_ = 0;
+  bool follows_ = false;
   std::array<bool, 4> off_{};
   msp::Sticks wrong_one_;
   std::chrono::nanoseconds behind_{0};

@@ -220,6 +220,10 @@ double DroneFile::thrust_part(double thrust, double upright) const {
   return ardu ? ardu->thrust_part(wanted, upright) : 1e-3 * wanted;
 }
 
+int DroneFile::hover_throttle() const {
+  return by_mavlink() ? 1000 + static_cast<int>(std::lround(hover.throttle)) : hover_stick;
+}
+
 msp::Sticks DroneFile::sticks(const Eigen::Vector3d& rates_B, double thrust) const {
   msp::Sticks sticks = rates.sticks(rates_B);
   sticks.throttle = static_cast<std::uint16_t>(

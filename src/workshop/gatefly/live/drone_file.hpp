@@ -70,6 +70,9 @@ struct DroneFile {
   [[nodiscard]] msp::Sticks sticks(const Eigen::Vector3d& rates_B, double thrust) const;
   /// Whether it takes rates and thrust over MAVLink; else sticks over MSP.
   [[nodiscard]] bool by_mavlink() const { return ardu.has_value() || ts002.has_value(); }
+  /// Throttle that hovers, and that of motors at rest, as ControllerState::sticks has them.
+  [[nodiscard]] int hover_throttle() const;
+  [[nodiscard]] int rest_throttle() const { return by_mavlink() ? 1000 : receiver.min_check; }
   /// Its MAVLink id.
   [[nodiscard]] int system() const { return ardu ? ardu->system : ts002 ? ts002->system : 1; }
   /// Thrust to be sent over MAVLink, 0 … 1, for a specific one [m/s²]. @param upright  cosine of the tilt.

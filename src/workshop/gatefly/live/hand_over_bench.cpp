@@ -20,9 +20,11 @@ constexpr nanoseconds kTakenBack = 500ms;  ///< Then the channels must be the ra
 constexpr nanoseconds kLongestGap =
     Keeper::kSilence + kStickPeriod;    ///< Between two stick frames, whoever sends them.
 constexpr nanoseconds kAlone = 1500ms;  ///< So long the channels are watched when nobody sends.
-constexpr int kRadioWithin = 20;        ///< A radio at rest is not quite still [µs].
-constexpr int kBrakes = 15;             ///< Pitch that braking has, at least [µs].
-constexpr int kCentred = 40;            ///< Its sticks, from the middle [µs].
+constexpr nanoseconds kLetsGo = 2s;     ///< Of a set point: GUID_TIMEOUT = 1, and to be told of it.
+constexpr nanoseconds kSpinsUp = 3s;
+constexpr int kRadioWithin = 20;  ///< A radio at rest is not quite still [µs].
+constexpr int kBrakes = 15;       ///< Pitch that braking has, at least [µs].
+constexpr int kCentred = 40;      ///< Its sticks, from the middle [µs].
 
 std::string ms(nanoseconds time) { return files::fixed(1e3 * seconds(time), 0) + " ms"; }
 
@@ -51,7 +53,10 @@ class HandOverWalk {
   bool blind();
   bool taken_back(const std::string& after, bool program_ends);
   bool disarmed();
+  bool channels_are_back(const std::string& after, bool program_ends);
+  bool ends(const std::string& after, bool program_ends);
   bool alone(const msp::Sticks& last, Moment since);
+  bool let_go(const msp::Sticks& last, Moment since);
   void come_to_rest();
 
   template <class Done>
@@ -74,6 +79,8 @@ class HandOverWalk {
   [[nodiscard]] bool radios() const {
     return same_sticks(view_.told().sticks, radio_, kRadioWithin);
   }
+  /// Over MAVLink the set point that it flies by is read back, which is nobody's once its mode is another.
+  [[nodiscard]] bool by_set_points() const { return drone_.by_mavlink(); }
 
   const HandOverTest& test_;
   const DroneFile& drone_;
@@ -145,8 +152,9 @@ bool HandOverWalk::handed_over() {
   if (!asked_for(at_radio::kArm, [this] { return view_.told().armed; })) return false;
   radio_ = view_.told().sticks;
   const std::uint16_t mid = drone_.receiver.mid;
-  if (!same_sticks(radio_, {mid, mid, mid, radio_.throttle}, kCentred) ||
-      radio_.throttle >= drone_.receiver.min_check)
+  const bool at_rest = same_sticks(radio_, {mid, mid, mid, radio_.throttle}, kCentred) &&
+                       radio_.throttle < drone_.receiver.min_check;
+  if (!by_set_points() && !at_rest)
     return wrong("the radio's sticks are not at rest: " + text_of(radio_));
   return asked_for(at_radio::kOverrideOn, [this] { return view_.flies(); });
 }
@@ -154,17 +162,27 @@ bool HandOverWalk::handed_over() {
 /// Whether what has been read back since channels() began is what was sent.
 bool HandOverWalk::followed(const std::string& when) {
   if (view_.channels().reads() < 3)
-    return wrong(when + ": the channels are not read back, " +
-                 files::amount(view_.channels().reads(), "time"));
+    return wrong(when + ": " + (by_set_points() ? "its set point is" : "the channels are") +
+                 " not read back, " + files::amount(view_.channels().reads(), "time"));
   if (view_.channels().wrong() == 0) return true;
   return wrong(when + ": " + view_.channels().not_following() + " not as sent, in " +
                std::to_string(view_.channels().wrong()) + " of " +
                files::amount(view_.channels().reads(), "answer") + " (" +
-               text_of(view_.channels().wrong_one()) +
-               "); msp_override_channels_mask must be 15, and [channels] that of the controller");
+               text_of(view_.channels().wrong_one()) + ")" +
+               (by_set_points() ? "; of 1500 a thousandth of a rad/s each, of 1000 of the thrust"
+                                : "; msp_override_channels_mask must be 15, and [channels] that "
+                                  "of the controller"));
 }
 
 bool HandOverWalk::follows(nanoseconds lasts, const std::string& when) {
+  // An ArduCopter's motors stand for two seconds after arming, and it obeys nobody until then.
+  const auto obeys = [this] {
+    return view_.channels().follows() && view_.told().sticks.throttle > drone_.rest_throttle();
+  };
+  view_.channels().begin(Clock::now());
+  for (const Moment end = Clock::now() + kSpinsUp;
+       by_set_points() && !obeys() && Clock::now() < end && trouble().empty();)
+    view_.look();
   view_.channels().begin(Clock::now() + ChannelWatch::kLag);
   return watch(
              lasts + ChannelWatch::kLag, [this] { return view_.flies(); },
@@ -177,6 +195,16 @@ bool HandOverWalk::taken_back(const std::string& after, bool program_ends) {
   view_.let_end(program_ends);
   if (!asked_for(at_radio::kOverrideOff, [this] { return !view_.told().override_on; }))
     return false;
+  if (!by_set_points()) return channels_are_back(after, program_ends);
+  const nanoseconds within = view_.told().status_at - view_.told().overridden_at;
+  const auto stays = [this] { return !view_.told().override_on; };
+  return ends(after, program_ends) &&
+         watch(1s, stays, "override off" + after + ": it takes set points again") &&
+         well("override off" + after + ": another mode within " + ms(within) +
+              (program_ends ? ", and nothing is sent any more" : ""));
+}
+
+bool HandOverWalk::channels_are_back(const std::string& after, bool program_ends) {
   const auto not_radios = [this] {
     return "override off: the channels are not the radio's, " + text_of(view_.told().sticks) +
            "; the radio's were " + text_of(radio_);
@@ -185,14 +213,17 @@ bool HandOverWalk::taken_back(const std::string& after, bool program_ends) {
   for (const Moment end = Clock::now() + kTakenBack; !radios() && Clock::now() < end;) view_.look();
   if (!radios()) return wrong(not_radios());
   const nanoseconds within = view_.told().sticks_at - view_.told().overridden_at;
-  if (program_ends &&
-      !wait(
-          2s, [this] { return view_.rig() == nullptr; }, "override off: the program sends on"))
-    return false;
+  if (!ends(after, program_ends)) return false;
   for (const Moment end = Clock::now() + 1s; Clock::now() < end; view_.look())
     if (!radios()) return wrong(not_radios());
   return well("override off" + after + ": the channels are the radio's within " + ms(within) +
               (program_ends ? ", and nothing is sent any more" : ""));
+}
+
+bool HandOverWalk::ends(const std::string& after, bool program_ends) {
+  return !program_ends || wait(
+                              2s, [this] { return view_.rig() == nullptr; },
+                              "override off" + after + ": the program sends on");
 }
 
 bool HandOverWalk::disarmed() {
@@ -265,7 +296,7 @@ bool HandOverWalk::killed() {
   const msp::Sticks& at_end = view_.last()->sent;
   if (at_first.pitch + kBrakes > at_end.pitch)
     return wrong("program killed: the second process does not brake, " + text_of(at_first));
-  if (at_end.throttle > drone_.hover_stick || at_end.throttle <= drone_.receiver.min_check)
+  if (at_end.throttle > drone_.hover_throttle() || at_end.throttle <= drone_.rest_throttle())
     return wrong("program killed: the second process does not descend, " + text_of(at_end));
   return well("program killed (-9): the second process sends after " +
               ms(view_.taken_over_after()) + ", brakes, descends, and the channels follow") &&
@@ -281,7 +312,21 @@ bool HandOverWalk::both_killed() {
   return wait(
              1s, [this] { return view_.rig() == nullptr; },
              "both processes killed: something still sends") &&
-         alone(view_.last()->sent, since) && taken_back(" after it", true) && disarmed();
+         (by_set_points() ? let_go(view_.last()->sent, since) : alone(view_.last()->sent, since)) &&
+         taken_back(" after it", true) && disarmed();
+}
+
+/// One that takes set points must let go of the last one in time.
+bool HandOverWalk::let_go(const msp::Sticks& last, Moment since) {
+  const std::string line = "both processes killed, as with the cable out: ";
+  const auto holds = [&] { return same_sticks(view_.told().sticks, last, ChannelWatch::kWithin); };
+  const auto seen_without = [&] { return view_.told().sticks_at > since && !holds(); };
+  if (!wait(kLetsGo, seen_without,
+            line + "the controller holds the last set point for longer than " + ms(kLetsGo)))
+    return false;
+  if (!view_.told().override_on) return wrong(line + "taken back too early");
+  return well(line + "the controller lets go of the last set point after " +
+              ms(view_.told().sticks_at - since) + ", and levels: only your switch ends it");
 }
 
 /// Finds out what the channels do when nobody sends. Either answer is well: the pilot only has to know it.

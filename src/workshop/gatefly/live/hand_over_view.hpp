@@ -26,7 +26,10 @@ struct Witnessed {
 class HandOverView {
  public:
   HandOverView(Introduced met, const DroneFile& drone)
-      : port_{std::move(met.port)}, known_{met.known}, drone_{drone} {}
+      : port_{std::move(met.port)},
+        known_{met.known},
+        drone_{drone},
+        channels_{drone.by_mavlink()} {}
 
   /// A new rig; there must be none. @throws std::runtime_error one line.
   void begin_flight(const HandOverRig::Plan& plan, const std::function<bool()>& told_to_end);

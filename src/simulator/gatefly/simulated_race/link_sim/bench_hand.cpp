@@ -11,10 +11,11 @@
 namespace gatefly::link_sim {
 namespace {
 
-constexpr double kMoment = 0.3;   ///< That somebody takes for it [s].
-constexpr double kTurning = 2.3;  ///< There, back, and a rest [s].
-constexpr double kHolds = 1.0;    ///< Sticks that are a command, until they are let go [s].
-constexpr double kArms = 1.0;     ///< A controller that has not by then is asked again [s].
+constexpr double kMoment = 0.3;    ///< That somebody takes for it [s].
+constexpr double kTurning = 2.3;   ///< There, back, and a rest [s].
+constexpr double kHolds = 1.0;     ///< Sticks that are a command, until they are let go [s].
+constexpr double kArms = 3.0;      ///< A controller that has not by then is asked again [s].
+constexpr double kSwitched = 1.0;  ///< The arming switch is off before it is asked again [s].
 
 struct Request {
   std::string_view word, prompt;  ///< Nothing prompts for "".
@@ -75,11 +76,11 @@ void BenchHand::hear(std::string_view line, double now) {
 
 std::optional<Deed> BenchHand::step(double now, bool motors) {
   motors_seen_ = motors_seen_ || (armed_ && motors);
-  // Betaflight does not arm by a switch that came on too early: off, and on again.
+  // Betaflight does not arm by a switch that came on too early: off, and on again. ArduCopter's motors stand for two seconds.
   if (armed_ && !motors_seen_ && now - armed_at_ >= kArms) {
     armed_ = false;
     asked_.push_front(Deed::kArm);
-    next_ = now + kArms;
+    next_ = now + kSwitched;
   }
   if (now >= next_) sticks_ = msp::kNeutral;
   if (asked_.empty() || now < next_) return std::nullopt;
