@@ -67,7 +67,21 @@ TEST(Path, NearestFindsThePointOneStandsBeside) {
     const PathPoint p = path.at(s);
     const Vector2d beside = p.position + side * Vector2d{-std::sin(p.heading), std::cos(p.heading)};
     EXPECT_NEAR(path.nearest(beside, std::max(0.0, s - 0.5), std::min(s + 0.8, path.length())), s,
-                0.005);
+                1e-9);
+  });
+}
+
+TEST(Path, NothingInTheWindowIsNearerThanTheNearest) {
+  const Path path = hook();
+  for_all(300, [&](Rng& rng) {
+    const double from = rng.uniform(-1, path.length()), to = from + rng.uniform(0, 2.5);
+    const Vector2d position = path.at(rng.uniform(from, to)).position +
+                              Vector2d{rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4)};
+    const double found = path.nearest(position, from, to);
+    EXPECT_GE(found, from);
+    EXPECT_LE(found, to);
+    const auto distance = [&](double s) { return (path.at(s).position - position).norm(); };
+    for (double s = from; s <= to; s += 0.003) EXPECT_GE(distance(s), distance(found) - 1e-9) << s;
   });
 }
 

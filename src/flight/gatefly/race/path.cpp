@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "gatefly/geometry/math.hpp"
 
@@ -10,6 +11,25 @@ namespace gatefly {
 namespace {
 
 constexpr double kShortestRamp = 0.1;  // [m]
+
+Segment straight_from(const Eigen::Vector2d& start, double heading) {
+  return {.start = start, .heading = heading};
+}
+
+/// Metres along a segment, or what it would be if it went on, to where `position` is abeam; of a circle the nearer one as seen from
+/// the segment's middle.
+double nearest_on(const Segment& segment, const Eigen::Vector2d& position) {
+  const auto [sine, cosine] = sincos(segment.heading);
+  const Eigen::Vector2d from_start = position - segment.start;
+  if (segment.curvature == 0.0) return from_start.dot(Eigen::Vector2d{cosine, sine});
+  const Eigen::Vector2d from_center =
+      from_start - Eigen::Vector2d{-sine, cosine} / segment.curvature;
+  const double heading =
+      atan2(segment.curvature * from_center.x(), -segment.curvature * from_center.y());
+  const double middle = 0.5 * segment.length;
+  return middle +
+         wrap_angle(heading - segment.heading - segment.curvature * middle) / segment.curvature;
+}
 
 }  // namespace
 
@@ -46,14 +66,24 @@ PathPoint Path::at(double s) const {
 }
 
 double Path::nearest(const Eigen::Vector2d& position, double from, double to) const {
-  // Coarse, then fine: paths are metres long and curve gently against the steps.
-  const auto distance2 = [&](double s) { return (at(s).position - position).squaredNorm(); };
-  double best = from, least = distance2(best);
-  for (double step = 0.10, low = from, high = to; step > 1e-3; step *= 0.1) {
-    for (double s = low; s <= high; s += step)
-      if (const double d = distance2(s); d < least) best = s, least = d;
-    low = std::max(from, best - step), high = std::min(to, best + step);
+  double best = from, least = std::numeric_limits<double>::infinity(), begins = 0.0;
+  // Of a segment that begins there, the part that is in [from, to].
+  const auto look_at = [&](const Segment& segment, double low, double high) {
+    low = std::max(low, from - begins), high = std::min(high, to - begins);
+    if (low > high) return;
+    const double s = std::clamp(nearest_on(segment, position), low, high);
+    const double distance2 = (point_on(segment, s).position - position).squaredNorm();
+    if (distance2 < least) best = begins + s, least = distance2;
+  };
+  if (segments.empty()) return best;
+  look_at(straight_from(segments[0].start, segments[0].heading), from, 0.0);
+  for (const Segment& segment : segments) {
+    look_at(segment, 0.0, segment.length);
+    begins += segment.length;
   }
+  if (to <= begins) return best;
+  const PathPoint end = point_on(segments.back(), segments.back().length);
+  look_at(straight_from(end.position, end.heading), 0.0, to - begins);
   return best;
 }
 

@@ -69,6 +69,7 @@ Pilot::Pilot(const PilotConfig& config)
   const Track& track = config.track;
   navigator_.start({track.start.x(), track.start.y(), 0.0}, track.start_heading,
                    frame_of(parts_->course.gate()), map_uncertainty_);
+  now_ = navigator_.state();
 }
 Pilot::Pilot(Pilot&&) noexcept = default;
 Pilot& Pilot::operator=(Pilot&&) noexcept = default;
@@ -108,6 +109,7 @@ void Pilot::navigate(const Sensors& sensors) {
 void Pilot::look(const Sensors& sensors) {
   const bool looking = parts_->guidance.uses_pictures(phase_);
   parts_->lookout.look(sensors, looking, parts_->course, navigator_);
+  now_ = navigator_.state();
 }
 
 const SensorHealth& Pilot::health() const { return parts_->intake.health(); }
@@ -123,14 +125,13 @@ std::optional<eskf::Monitor::Verdict> Pilot::divergence() const {
 
 const Sighting& Pilot::sighting() const { return parts_->lookout.sighting(); }
 
-AttitudeCommand Pilot::guide() {
-  return parts_->guidance.command(phase_, navigator_.state(), parts_->course);
-}
+AttitudeCommand Pilot::guide() { return parts_->guidance.command(phase_, now_, parts_->course); }
 
 void Pilot::follow_course() {
-  if (!parts_->course.follow(navigator_.state(), phase_)) return;
+  if (!parts_->course.follow(now_, phase_)) return;
   navigator_.change_gate(frame_of(parts_->course.gate()), map_uncertainty_);
-  passed_at_ = navigator_.state().time;
+  now_ = navigator_.state();
+  passed_at_ = now_.time;
   // The gate that was searched for is passed, and the waiting place before it is of no use.
   if (std::holds_alternative<Search>(phase_)) phase_ = Straight{};
 }
@@ -144,9 +145,10 @@ void Pilot::change_phase(const Sensors& sensors) {
   const Transition next = next_phase(phase_, now, phase_params_);
   const auto* search = std::get_if<Search>(&phase_);
   const bool found_again = search != nullptr && std::holds_alternative<Straight>(next.phase);
-  if (found_again && !search->stand_at) parts_->course.approach_straight(navigator_.state());
+  if (found_again && !search->stand_at) parts_->course.approach_straight(now_);
   if (parts_->course.before_approach() && std::holds_alternative<Straight>(next.phase)) {
     navigator_.begin_leg(parts_->course.turn_end());  // the plan's place, for the paper's filter
+    now_ = navigator_.state();
     parts_->course.begin_approach();
   }
   phase_ = next.phase;
@@ -154,7 +156,7 @@ void Pilot::change_phase(const Sensors& sensors) {
 }
 
 Situation Pilot::situation() {
-  const NavigationState now = navigator_.state();
+  const NavigationState& now = now_;
   Situation s;
   s.time = now.time;
   s.rest_samples = now.rest_samples;
@@ -203,7 +205,7 @@ Command Pilot::command(const AttitudeCommand& attitude) {
     parts_->guidance.reset();
     return {.attitude = attitude};
   }
-  const NavigationState now = navigator_.state();
+  const NavigationState& now = now_;
   if (parts_->output == Output::kMotors)
     return {attitude, parts_->indi.step(attitude, now.R_EB, now.rate_B, now.dt)};
   const bool by_angles = parts_->output == Output::kAttitudeThrust;
@@ -213,7 +215,7 @@ Command Pilot::command(const AttitudeCommand& attitude) {
 }
 
 Estimate Pilot::estimate() const {
-  const NavigationState now = navigator_.state();
+  const NavigationState& now = now_;
   Estimate e;
   e.p_EB = now.p_EB;
   e.v_E = now.v_E;
