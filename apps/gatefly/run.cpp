@@ -421,7 +421,8 @@ void declare_run(Command& command) {
   command
       .option(
           "--link", options->link,
-          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, mavlink:serial:/dev/ttyX?baud=921600, "
+          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, betaflight-sitl:, "
+          "mavlink:serial:/dev/ttyX?baud=921600, "
           "mavlink:tcp:HOST:PORT, mavlink:udp:HOST:PORT, or replay:DIR?pace=1, a recorded flight")
       .required()
       .type_name("URI");

@@ -49,7 +49,8 @@ class Refused(Cli):
 
     def test_a_link_that_is_none(self):
         self.assertIn("must begin with msp:", self.run_refused(link="tcp:1"))
-        self.assertIn("is not built yet", self.run_refused(link="betaflight-sitl:9004"))
+        self.assertIn("PORT = '0', must be in 1..65535", self.run_refused(link="betaflight-sitl:0"))
+        self.assertIn("--drone is required", self.run_refused(link="betaflight-sitl:"))
         self.assertIn("PORT = '0', must be in 1..65535", self.run_refused(link="msp:tcp:localhost:0"))
         self.assertIn("there is no option 'bad'", self.run_refused(link="msp:/dev/ttyS0?bad=1"))
         self.assertIn("baud = 'x'", self.run_refused(link="msp:/dev/ttyS0?baud=x"))

@@ -62,6 +62,7 @@ class UriText {
   void refuse_other_options() const {
     if (!options_.empty()) fail("there is no option '" + options_.begin()->first + "'");
   }
+  [[nodiscard]] bool at_end() const { return rest_.empty(); }
   [[nodiscard]] std::string rest(const char* what) const {
     if (rest_.empty()) fail(std::string{"names no "} + what);
     return std::string{rest_};
@@ -75,6 +76,7 @@ class UriText {
 };
 
 constexpr int kMostPort = 65535;
+constexpr int kBetaflightSitl = 5761;  ///< The first serial line of Betaflight's simulator target.
 /// The streams requested of an ArduCopter take 12,000 bytes a second, and it sends others unasked.
 constexpr int kLeastMavlinkBaud = 230400;
 
@@ -87,9 +89,13 @@ LinkUri link_uri(const std::string& text) {
   const std::string forms = link.mavlink
                                 ? "mavlink:serial:/dev/ttyX?baud=921600, mavlink:tcp:HOST:PORT, "
                                   "mavlink:udp:HOST:PORT or mavlink:udpin:ADDRESS:PORT"
-                                : "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT";
-  if (uri.takes("betaflight-sitl:"))
-    uri.fail("is not built yet; there are msp:, mavlink: and replay:");
+                                : "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT or "
+                                  "betaflight-sitl:PORT, by default 5761";
+  if (!link.mavlink && uri.takes("betaflight-sitl:")) {
+    link.place = "127.0.0.1";
+    link.port = uri.at_end() ? kBetaflightSitl : uri.number("PORT", uri.rest("port"), 1, kMostPort);
+    return link;
+  }
   if (!link.mavlink && uri.takes("replay:")) {
     uri.take_options();
     link.kind = LinkUri::Kind::kReplay;

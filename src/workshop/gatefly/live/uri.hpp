@@ -9,7 +9,7 @@ namespace gatefly::live {
 struct LinkUri {
   enum class Kind {
     kSerial,  ///< msp:/dev/ttyTHS1?baud=115200
-    kTcp,     ///< msp:tcp:127.0.0.1:5761
+    kTcp,     ///< msp:tcp:127.0.0.1:5761; betaflight-sitl: is that one.
     kUdp,     ///< mavlink:udp:127.0.0.1:14550?bind=127.0.0.1: we call.
     kUdpIn,   ///< mavlink:udpin:127.0.0.1:14550?peer=127.0.0.1: it calls us.
     kReplay,  ///< replay:FOLDER?pace=1: a recorded flight's sensors in the place of a drone's.
