@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drone in a simulator, as `gatefly run` and `bench-drone` have one: a flight controller that runs as a program, and `gatefly link-sim` around it. The
 controller is a fake that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), or Betaflight's own simulator target, set up as
-tests/live/betaflight_4_5.txt says; or ArduCopter's; or none, where link-sim speaks TS-002 itself.
+tests/live/betaflight_4_5.txt says; or ArduCopter's or PX4's; or none, where link-sim speaks TS-002 itself.
 """
 import json
 import os
@@ -151,23 +151,15 @@ class Simulated:
             ended(world)
 
 
-class ArduCopter(Simulated):
-    """ArduCopter's own simulator with the JSON interface (tools/autopilots.sh), set up as tests/live/arducopter.parm says."""
+class Signed(Simulated):
+    """A controller for which there is no hand-over test yet: its drone.toml is signed."""
 
-    def __init__(self, gatefly, root, folder, program, signs, track="oval", camera="", ahead=()):
-        """signs: tests/fake_betaflight of the build, which signs a drone file."""
-        self._around(gatefly, root, folder, track, camera, ahead)
-        self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
-        self.ports.update(controller=5760, servos=9002, radio=5501)
-        self.world_words = ["--autopilot", "arducopter"]
-        self.signs = signs
-        self.controller = self.start(*ahead, program, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", self.root / "tests" / "live" / "arducopter.parm", "-I0",
-                                     "--home", "52,4.37,0,0", "--wipe", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-        self.link = ["--link", f"mavlink:tcp:127.0.0.1:{self.ports['msp']}"]
+    def _signs(self, by, name):
+        """by: tests/fake_betaflight of the build. name: of the drone's file in tests/live."""
+        self.signs, self.file = by, self.root / "tests" / "live" / name
 
     def benched(self, seed):
-        """A drone.toml as tests/live has it, signed: there is no hand-over test for ArduCopter yet."""
-        content = (self.root / "tests" / "live" / "arducopter_sim.toml").read_text(encoding="utf-8")
+        content = self.file.read_text(encoding="utf-8")
         plain = self.folder / "plain.toml"
         plain.write_text(content, encoding="utf-8")
         flies = pathlib.Path(self.gatefly).with_name("gatefly-lab")
@@ -175,6 +167,37 @@ class ArduCopter(Simulated):
         signed = self.folder / "drone.toml"
         signed.write_text(f'{content}\n[hand_over_test]\npassed = "{mark}"\n', encoding="utf-8")
         return signed, f"seed {seed}: not flown for it"
+
+
+class ArduCopter(Signed):
+    """ArduCopter's own simulator with the JSON interface (tools/autopilots.sh), set up as tests/live/arducopter.parm says."""
+
+    def __init__(self, gatefly, root, folder, program, signs, track="oval", camera="", ahead=()):
+        self._around(gatefly, root, folder, track, camera, ahead)
+        self._signs(signs, "arducopter_sim.toml")
+        self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
+        self.ports.update(controller=5760, servos=9002, radio=5501)
+        self.world_words = ["--autopilot", "arducopter"]
+        self.controller = self.start(*ahead, program, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", self.root / "tests" / "live" / "arducopter.parm", "-I0",
+                                     "--home", "52,4.37,0,0", "--wipe", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.link = ["--link", f"mavlink:tcp:127.0.0.1:{self.ports['msp']}"]
+
+
+class Px4(Signed):
+    """PX4's own simulator (tools/autopilots.sh --px4), set up as tests/live/px4/px4-rc.params says, at the ports that are its own."""
+
+    def __init__(self, gatefly, root, folder, build, signs, track="oval", camera="", ahead=()):
+        """build: the folder in which it was built, with bin/px4 and etc/ in it."""
+        self._around(gatefly, root, folder, track, camera, ahead)
+        self._signs(signs, "px4_sim.toml")
+        self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
+        line, = free_ports(1, socket.SOCK_DGRAM)
+        self.ports.update(state=4560, radio=18570, controller=14540)
+        self.world_words = ["--autopilot", "px4", "--mavlink", line]
+        self.environment.update(PX4_SIM_MODEL="none_iris", PATH=f"{self.root / 'tests' / 'live' / 'px4'}:{os.environ['PATH']}")
+        with open(self.folder / "px4.txt", "w", encoding="utf-8") as says:
+            self.controller = self.start(*ahead, pathlib.Path(build) / "bin" / "px4", "-d", pathlib.Path(build) / "etc", stdin=subprocess.DEVNULL, stdout=says, stderr=subprocess.STDOUT)
+        self.link = ["--link", f"mavlink:udpin:127.0.0.1:{line}"]
 
 
 class Ts002(Simulated):
