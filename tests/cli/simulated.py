@@ -7,6 +7,7 @@ import json
 import os
 import pathlib
 import shutil
+import signal
 import socket
 import subprocess
 import time
@@ -196,8 +197,14 @@ class Px4(Signed):
         self.world_words = ["--autopilot", "px4", "--mavlink", line]
         self.environment.update(PX4_SIM_MODEL="none_iris", PATH=f"{self.root / 'tests' / 'live' / 'px4'}:{os.environ['PATH']}")
         with open(self.folder / "px4.txt", "w", encoding="utf-8") as says:
-            self.controller = self.start(*ahead, pathlib.Path(build) / "bin" / "px4", "-d", pathlib.Path(build) / "etc", stdin=subprocess.DEVNULL, stdout=says, stderr=subprocess.STDOUT)
+            self.controller = self.start(*ahead, pathlib.Path(build) / "bin" / "px4", "-d", pathlib.Path(build) / "etc", stdin=subprocess.DEVNULL, stdout=says, stderr=subprocess.STDOUT,
+                                         start_new_session=True)
         self.link = ["--link", f"mavlink:udpin:127.0.0.1:{line}"]
+
+    def end(self):
+        # Its startup script is a program of its own, which would go on and talk to the next one.
+        os.killpg(self.controller.pid, signal.SIGKILL)
+        super().end()
 
 
 class Ts002(Simulated):

@@ -38,13 +38,19 @@ struct AutopilotFacts {
     return heartbeat && std::find(kMulticopters.begin(), kMulticopters.end(), heartbeat->type) !=
                             kMulticopters.end();
   }
-  [[nodiscard]] bool gyro_works() const { return works(1); }
-  [[nodiscard]] bool accelerometer_works() const { return works(2); }
+  [[nodiscard]] bool gyro_works() const { return is_present(kGyro) && is_healthy(kGyro); }
+  [[nodiscard]] bool accelerometer_works() const {
+    return is_present(kAccelerometer) && is_healthy(kAccelerometer);
+  }
+  [[nodiscard]] bool is_healthy(std::uint32_t sensor) const {
+    return sensors && (sensors->onboard_control_sensors_health & sensor) != 0;
+  }
+  /// Bits of SYS_STATUS.
+  static constexpr std::uint32_t kGyro = 1, kAccelerometer = 2;
 
  private:
-  [[nodiscard]] bool works(std::uint32_t bit) const {
-    return sensors && (sensors->onboard_control_sensors_present &
-                       sensors->onboard_control_sensors_health & bit) != 0;
+  [[nodiscard]] bool is_present(std::uint32_t sensor) const {
+    return sensors && (sensors->onboard_control_sensors_present & sensor) != 0;
   }
 };
 

@@ -32,7 +32,9 @@ Px4Complaints complaints_about(const Px4Facts& facts) {
   if (!facts.version) complaints.push_back(Px4Complaint::kNoVersion);
   add_parameters(facts, complaints);
   if (!facts.gyro_works()) complaints.push_back(Px4Complaint::kNoGyro);
-  if (!facts.accelerometer_works()) complaints.push_back(Px4Complaint::kNoAccelerometer);
+  // 1.14 calls no accelerometer present, only well: it takes one that it finds for a gyro.
+  if (!facts.is_healthy(Px4Facts::kAccelerometer))
+    complaints.push_back(Px4Complaint::kNoAccelerometer);
   if (facts.armed()) complaints.push_back(Px4Complaint::kArmed);
   return complaints;
 }

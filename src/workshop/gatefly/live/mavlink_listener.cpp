@@ -82,6 +82,8 @@ void MavlinkListener::ask_clock(link::ByteWriter& out, nanoseconds now, bool bes
 
 bool MavlinkListener::wanted(Wishes which, nanoseconds now) const {
   const Wish& wish = wishes_[which];
+  // A PX4 says a heartbeat a second, more only one by one.
+  if (which == kBeat && params_.px4) return now - wish.asked >= wish.interval;
   // A PX4's is in counts, whose size nobody tells.
   if (which == kCoarseImu && params_.px4) return false;
   if (which == kCoarseImu && now - std::max(started_, wishes_[kFineImu].heard) < kFineImuGone)
@@ -101,8 +103,11 @@ link::Bytes MavlinkListener::request(nanoseconds now) {
   for (const Wishes which : {kBeat, kAttitude, kBattery, kTarget, kFineImu, kCoarseImu}) {
     if (!wanted(which, now)) continue;
     Wish& wish = wishes_[which];
-    words_.ask_for(out, wish.message,
-                   std::chrono::duration_cast<std::chrono::microseconds>(wish.interval));
+    if (which == kBeat && params_.px4)
+      words_.ask_once(out, wish.message);
+    else
+      words_.ask_for(out, wish.message,
+                     std::chrono::duration_cast<std::chrono::microseconds>(wish.interval));
     wish.asked = now;
     ++state_.asked;
   }
