@@ -15,8 +15,7 @@ void add_parameters(const ArduFacts& facts, ArduComplaints& complaints) {
   const auto options = static_cast<int>(*facts.parameter(ArduParameter::kGuidedOptions));
   if ((options & kThrustAsThrust) == 0) complaints.push_back(ArduComplaint::kThrustIsClimbRate);
   const float timeout = *facts.parameter(ArduParameter::kGuidedTimeout);
-  if (!(timeout > 0.0f && timeout <= kLongestHold))
-    complaints.push_back(ArduComplaint::kTimeout);
+  if (!(timeout > 0.0f && timeout <= kLongestHold)) complaints.push_back(ArduComplaint::kTimeout);
   const float hover = *facts.parameter(ArduParameter::kHoverThrust);
   if (!(hover >= 0.05f && hover <= 0.8f)) complaints.push_back(ArduComplaint::kNoHover);
 }

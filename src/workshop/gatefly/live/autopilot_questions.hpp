@@ -66,8 +66,7 @@ class AutopilotQuestions {
     words_.heartbeat(out);
     if (!said_.facts.version) words_.ask_once(out, mavlink::AutopilotVersion::kId);
     if (!said_.facts.sensors) words_.ask_once(out, mavlink::SysStatus::kId);
-    if (const auto missing = missing_parameter())
-      words_.ask_parameter(out, names_[*missing]);
+    if (const auto missing = missing_parameter()) words_.ask_parameter(out, names_[*missing]);
     (void)port_.write(out.written(), Clock::now() + std::chrono::milliseconds{200});
   }
   [[nodiscard]] static std::string_view name_in(const std::array<char, 16>& id) {

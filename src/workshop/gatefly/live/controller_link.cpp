@@ -68,7 +68,8 @@ Acquaintance met_px4(Port& port, const DroneFile& drone, bool only_listens) {
   const Px4Introduction said = px4_introduction_of(port, drone.system());
   if (said.other_client) not_alone();
   for (const guard::Px4Complaint complaint : guard::complaints_about(said.facts))
-    if (!only_listens || complaint != guard::Px4Complaint::kArmed) refuse(guard::text_of(complaint));
+    if (!only_listens || complaint != guard::Px4Complaint::kArmed)
+      refuse(guard::text_of(complaint));
   if (const auto others = differences(drone, said.facts); !others.empty())
     not_the_drone(drone, others);
   if (!only_listens && mavlink::is_offboard(said.facts.heartbeat->custom_mode))

@@ -215,8 +215,8 @@ std::string constants_of(const DroneFile& d) {
   if (d.px4) {
     const Px4Drone& p = *d.px4;
     all += "|PX4|" + p.version;
-    for (const double value : {double(p.system), p.offboard_timeout_s, double(p.offboard_loss),
-                               p.hover, p.model_factor})
+    for (const double value :
+         {double(p.system), p.offboard_timeout_s, double(p.offboard_loss), p.hover, p.model_factor})
       add(value);
   }
   if (!d.ardu) return all;

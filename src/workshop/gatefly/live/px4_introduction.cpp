@@ -20,11 +20,20 @@ Px4Introduction px4_introduction_of(Port& port, int system) {
 bool is_px4(Port& port, int system) {
   using namespace std::chrono_literals;
   constexpr std::uint8_t kPx4s = 12;
-  const MavlinkWords words{system};
+  MavlinkWords words{system};
   mavlink::Stream stream;
   std::array<std::uint8_t, 2048> room{};
+  std::array<std::uint8_t, 64> call{};
   std::optional<bool> is;
+  Moment again = Clock::now();
   for (const Moment end = Clock::now() + 5s; !is && Clock::now() < end;) {
+    if (Clock::now() >= again) {
+      // One that is called by datagrams says nothing before.
+      link::ByteWriter out{call};
+      words.heartbeat(out);
+      (void)port.write(out.written(), Clock::now() + 200ms);
+      again = Clock::now() + 300ms;
+    }
     const auto got = port.read(room, Clock::now() + 20ms);
     if (!got) return false;
     stream.feed(link::Bytes{room}.first(*got), [&](const mavlink::Frame& frame) {

@@ -98,8 +98,7 @@ Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
       say("taken back: " + outcome.reason);
     }
     if (!ready && controller->ever() && drone.time() > kCalibrates) {
-      if (has_serial_line(params.autopilot))
-        line.emplace(ports.msp, ports.controller, params.baud);
+      if (has_serial_line(params.autopilot)) line.emplace(ports.msp, ports.controller, params.baud);
       ready = true;
       say("ready");
     }
@@ -150,8 +149,7 @@ bool hold(const world::SimConfig& day, const std::string& asks, const LinkSimPar
       controller->hear_radio(drone.told().time, hand.sticks(),
                              switches_of(hand.armed(), hand.override_on()));
     if (!ready && controller->ever() && drone.time() > kCalibrates) {
-      if (has_serial_line(params.autopilot))
-        line.emplace(ports.msp, ports.controller, params.baud);
+      if (has_serial_line(params.autopilot)) line.emplace(ports.msp, ports.controller, params.baud);
       ready = true;
       say("ready");
     }

@@ -25,7 +25,7 @@ constexpr double kWarm = 25.0;  ///< Of the barometer [°C].
 
 constexpr std::uint16_t kSetMode = 176, kArmOrDisarm = 400;
 constexpr float kCustomMode = 1.0F, kForced = 21196.0F;
-constexpr float kAuto = 4.0F, kHold = 3.0F;               ///< PX4's main mode, and of it the sub mode.
+constexpr float kAuto = 4.0F, kHold = 3.0F;  ///< PX4's main mode, and of it the sub mode.
 constexpr double kStationBeats = 1.0, kSaysAgain = 0.25;  ///< [s]
 constexpr mavlink::Sender kStation{255, 190, 0};
 constexpr std::uint8_t kStationType = 6, kNoAutopilot = 8, kIsActive = 4, kMavlink2 = 3;
@@ -99,9 +99,8 @@ void GroundStation::step(double now, bool armed, bool offboard) {
   }
   arm_.move(armed), offboard_.move(offboard);
   if (arm_.is_to_be_said(now))
-    command({.param1 = armed ? 1.0F : 0.0F,
-             .param2 = armed ? 0.0F : kForced,
-             .command = kArmOrDisarm});
+    command(
+        {.param1 = armed ? 1.0F : 0.0F, .param2 = armed ? 0.0F : kForced, .command = kArmOrDisarm});
   // Armed first: a program that finds the mode chosen before does not fly.
   if (offboard && !is_armed_) return;
   if (offboard_.is_to_be_said(now))
@@ -182,8 +181,7 @@ mavlink::HilSensor Px4End::sensors(const betaflight_sitl::State& is, const sim::
   const Eigen::Vector3d gyro = gyro_ / felt_, accel = accel_ / felt_;
   const Eigen::Vector3d noise{magnetometer_.normal(), magnetometer_.normal(),
                               magnetometer_.normal()};
-  const Eigen::Vector3d field =
-      sim::R_EB_of(body.q_EB).transpose() * kField + kFieldNoise * noise;
+  const Eigen::Vector3d field = sim::R_EB_of(body.q_EB).transpose() * kField + kFieldNoise * noise;
   const double height = baro_.measure(body, kSampleTime);
   return {.time_usec = static_cast<std::uint64_t>(is.time.count() / 1000),
           .xacc = narrowed(accel.x()),
