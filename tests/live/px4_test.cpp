@@ -16,6 +16,7 @@
 #include <sys/socket.h>
 
 #include "gatefly/files/text.hpp"
+#include "gatefly/geometry/math.hpp"
 #include "gatefly/live/ardu_bench.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/mavlink_speaker.hpp"
@@ -178,14 +179,14 @@ TEST(Px4Speaker, RatesAreSentAsTheyAreAndThrustAsAPartOfWhatHovers) {
   mavlink::Stream stream;
   std::optional<mavlink::SetAttitudeTarget> sent;
   stream.feed(
-      speaker.set_point({.rests = false, .rates_B = {1.0, -0.5, 0.25}, .thrust = 19.6133}, 2s),
+      speaker.set_point({.rests = false, .rates_B = {1.0, -0.5, 0.25}, .thrust = 2 * kGravity}, 2s),
       [&](const mavlink::Frame& frame) {
         if (const auto target = mavlink::message_in<mavlink::SetAttitudeTarget>(frame))
           sent = target;
       });
   ASSERT_TRUE(sent);
   EXPECT_FLOAT_EQ(sent->body_pitch_rate, -0.5f);
-  EXPECT_NEAR(sent->thrust, 2 * 0.166, 1e-4);
+  EXPECT_NEAR(sent->thrust, 2 * 0.166, 1e-6);
   EXPECT_EQ(sent->type_mask, 128) << "no attitude";
 }
 
