@@ -26,7 +26,7 @@ Px4Facts healthy_px4() {
   facts.version = mavlink::AutopilotVersion{.flight_sw_version = 0x010E00FF};
   facts.sensors =
       mavlink::SysStatus{.onboard_control_sensors_present = 1, .onboard_control_sensors_health = 3};
-  facts.parameters = {0.5f, 4.0f, 0.3f, 1.0f};
+  facts.parameters = {0.5f, 4.0f, 0.3f, 1.0f, 1.0f};
   return facts;
 }
 
@@ -56,6 +56,7 @@ TEST(Px4Interview, EachFaultIsNamedAndNoOther) {
       {Complaint::kDoesNotLand, set(Px4Parameter::kOffboardLoss, 0.0f)},
       {Complaint::kNoHover, set(Px4Parameter::kHoverThrust, 0.9f)},
       {Complaint::kNoHover, set(Px4Parameter::kHoverThrust, NAN)},
+      {Complaint::kBiasMoves, set(Px4Parameter::kImuControl, 3.0f)},
       {Complaint::kNoGyro, [](Px4Facts& f) { f.sensors->onboard_control_sensors_health = 2; }},
       {Complaint::kNoGyro, [](Px4Facts& f) { f.sensors->onboard_control_sensors_present = 0; }},
       {Complaint::kNoAccelerometer,

@@ -50,7 +50,7 @@ class ServedPx4 {
     floats_.merge(std::map<std::string, float>{
         {"COM_OF_LOSS_T", 0.5f}, {"MPC_THR_HOVER", 0.166f}, {"THR_MDL_FAC", 1.0f}});
     wholes_ = std::move(wholes);
-    wholes_.merge(std::map<std::string, int>{{"COM_OBL_RC_ACT", 4}});
+    wholes_.merge(std::map<std::string, int>{{"COM_OBL_RC_ACT", 4}, {"EKF2_IMU_CTRL", 1}});
     std::array<int, 2> ends{};
     socketpair(AF_UNIX, SOCK_STREAM, 0, ends.data());
     ours_.emplace(ends[0], "px4");

@@ -5,7 +5,8 @@ namespace gatefly::guard {
 namespace {
 
 constexpr std::uint8_t kPx4 = 12;
-constexpr float kLands = 4.0f;  ///< Of COM_OBL_RC_ACT.
+constexpr float kLands = 4.0f;               ///< Of COM_OBL_RC_ACT.
+constexpr int kLearnsAccelerometerBias = 2;  ///< Of EKF2_IMU_CTRL.
 
 void add_parameters(const Px4Facts& facts, Px4Complaints& complaints) {
   if (!facts.has_all_parameters()) {
@@ -18,6 +19,8 @@ void add_parameters(const Px4Facts& facts, Px4Complaints& complaints) {
     complaints.push_back(Px4Complaint::kDoesNotLand);
   const float hover = *facts.parameter(Px4Parameter::kHoverThrust);
   if (!(hover >= 0.05f && hover <= 0.8f)) complaints.push_back(Px4Complaint::kNoHover);
+  const auto imu_control = static_cast<int>(*facts.parameter(Px4Parameter::kImuControl));
+  if ((imu_control & kLearnsAccelerometerBias) != 0) complaints.push_back(Px4Complaint::kBiasMoves);
 }
 
 }  // namespace
@@ -56,6 +59,9 @@ std::string_view text_of(Px4Complaint complaint) {
              "= 4";
     case Px4Complaint::kNoHover:
       return "MPC_THR_HOVER is not within 0.05 to 0.8: let it hover by hand, or set it";
+    case Px4Complaint::kBiasMoves:
+      return "what it tells of its accelerometer changes as its filter learns a bias: set "
+             "EKF2_IMU_CTRL = 1";
     case Px4Complaint::kNoGyro:
       return "there is no gyro that works";
     case Px4Complaint::kNoAccelerometer:

@@ -16,9 +16,10 @@ enum class Px4Parameter : std::uint8_t {
   kOffboardLoss,
   kHoverThrust,
   kModelFactor,
+  kImuControl,
 };
-inline constexpr std::array<std::string_view, 4> kPx4Parameters{"COM_OF_LOSS_T", "COM_OBL_RC_ACT",
-                                                                "MPC_THR_HOVER", "THR_MDL_FAC"};
+inline constexpr std::array<std::string_view, 5> kPx4Parameters{
+    "COM_OF_LOSS_T", "COM_OBL_RC_ACT", "MPC_THR_HOVER", "THR_MDL_FAC", "EKF2_IMU_CTRL"};
 
 using Px4Facts = AutopilotFacts<Px4Parameter, kPx4Parameters.size()>;
 
@@ -31,11 +32,12 @@ enum class Px4Complaint : std::uint8_t {
   kTimeout,
   kDoesNotLand,
   kNoHover,
+  kBiasMoves,
   kNoGyro,
   kNoAccelerometer,
   kArmed,
 };
-using Px4Complaints = FixedList<Px4Complaint, 10>;
+using Px4Complaints = FixedList<Px4Complaint, 11>;
 
 /// In the order in which they are to be seen to; none: everything is known that has to be.
 [[nodiscard]] Px4Complaints complaints_about(const Px4Facts& facts);
