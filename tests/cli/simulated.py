@@ -191,15 +191,29 @@ class Px4(Signed):
         """build: the folder in which it was built, with bin/px4 and etc/ in it."""
         self._around(gatefly, root, folder, track, camera, ahead)
         self._signs(signs, "px4_sim.toml")
+        self.build = pathlib.Path(build)
         self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
         line, = free_ports(1, socket.SOCK_DGRAM)
         self.ports.update(state=4560, radio=18570, controller=14540)
         self.world_words = ["--autopilot", "px4", "--mavlink", line]
         self.environment.update(PX4_SIM_MODEL="none_iris", PATH=f"{self.root / 'tests' / 'live' / 'px4'}:{os.environ['PATH']}")
         with open(self.folder / "px4.txt", "w", encoding="utf-8") as says:
-            self.controller = self.start(*ahead, pathlib.Path(build) / "bin" / "px4", "-d", pathlib.Path(build) / "etc", stdin=subprocess.DEVNULL, stdout=says, stderr=subprocess.STDOUT,
+            self.controller = self.start(*ahead, self.build / "bin" / "px4", "-d", self.build / "etc", stdin=subprocess.DEVNULL, stdout=says, stderr=subprocess.STDOUT,
                                          start_new_session=True)
         self.link = ["--link", f"mavlink:udpin:127.0.0.1:{line}"]
+
+    def world(self, *words, **more):
+        process = super().world(*words, **more)
+        # Level and still, as whoever owns it would.
+        subprocess.run([self.build / "bin" / "px4-commander", "calibrate", "accel", "quick"], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=20, check=True)
+        end = time.monotonic() + 20
+        while "offset:" not in (self.folder / "px4.txt").read_text(encoding="utf-8", errors="replace"):
+            if time.monotonic() > end:
+                ended(process)
+                raise RuntimeError("PX4 does not calibrate its accelerometer")
+            time.sleep(0.1)
+        return process
 
     def end(self):
         # Its startup script is a program of its own, which would go on and talk to the next one.
