@@ -93,6 +93,10 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
   if (drone.ts002)
     throw std::runtime_error(options.hand_over +
                              ": a TS-002 simulator needs no hand-over test: gatefly run flies it");
+  if (drone.px4)
+    throw std::runtime_error(options.hand_over +
+                             ": a PX4 does not tell by which rates it flies, so there is no "
+                             "hand-over test for it yet; look on with gatefly run --shadow");
   (void)live::with_hand_over_mark(drone, files::read_file(drone.path),
                                   "");  // that it can be written
   live::Introduced met = live::introduced(link, drone, false);
@@ -128,14 +132,14 @@ std::string next_step(const std::string& drone) {
          " --propellers-off --link URI --camera URI";
 }
 
-/// The same of an ArduCopter.
-int bench_ardu(const BenchDroneOptions& options, const live::LinkUri& uri, live::Port port) {
-  const live::ArduIntroduction said = live::ardu_introduction_of(port, uri.system);
+/// The same of an ArduCopter or a PX4. `answers` are what it says of itself, `read` makes its drone of them.
+template <class Introduction, class Read>
+int bench_mavlink(const BenchDroneOptions& options, live::Port port, const Introduction& answers,
+                  Read&& read) {
   Protocol protocol{options.common.quiet, options.json};
-  if (!protocol.add(live::of_introduction(said))) return protocol.end();
+  if (!protocol.add(live::of_introduction(answers))) return protocol.end();
   live::DroneFile drone;
-  drone.ardu = live::ardu_drone_of(said.facts);
-  drone.ardu->system = uri.system;
+  const auto& constants = read(drone);
   live::LinkCommands link = live::commands_on(std::move(port), drone, {});
   if (!options.common.quiet) ask_for("leave it level and still for three seconds");
   if (!protocol.add(live::of_rest(link, 3s))) return protocol.end();
@@ -146,8 +150,27 @@ int bench_ardu(const BenchDroneOptions& options, const live::LinkUri& uri, live:
   protocol.add(live::of_turns(link, limit, say));
   protocol.add(live::of_link(link, 3s));
   if (!protocol.well()) return protocol.end();
-  files::write_file(options.out, live::drone_toml(*drone.ardu, options.told));
-  return protocol.end(options.out, next_step(options.out));
+  files::write_file(options.out, live::drone_toml(constants, options.told));
+  return protocol.end(options.out, drone.px4 ? "for --shadow" : next_step(options.out));
+}
+
+int bench_mavlink(const BenchDroneOptions& options, const live::LinkUri& uri, live::Port port) {
+  if (live::is_px4(port, uri.system)) {
+    const live::Px4Introduction said = live::px4_introduction_of(port, uri.system);
+    const auto read = [&](live::DroneFile& drone) -> const live::Px4Drone& {
+      drone.px4 = live::px4_drone_of(said.facts);
+      drone.px4->system = uri.system;
+      return *drone.px4;
+    };
+    return bench_mavlink(options, std::move(port), said, read);
+  }
+  const live::ArduIntroduction said = live::ardu_introduction_of(port, uri.system);
+  const auto read = [&](live::DroneFile& drone) -> const live::ArduDrone& {
+    drone.ardu = live::ardu_drone_of(said.facts);
+    drone.ardu->system = uri.system;
+    return *drone.ardu;
+  };
+  return bench_mavlink(options, std::move(port), said, read);
 }
 
 /// gatefly bench-drone: exit 0 all is well and the file written, 1 something is wrong with the drone, 2 unusable input.
@@ -160,7 +183,8 @@ int bench_drone(const BenchDroneOptions& options) {
   if (!options.hand_over.empty()) return hand_over(options, uri);
   if (!options.camera.empty()) throw std::runtime_error("--camera: is for --hand-over");
   if (uri.mavlink && options.told.hover_stick_us != 0)
-    throw std::runtime_error("--hover-stick-us: an ArduCopter tells itself: MOT_THST_HOVER");
+    throw std::runtime_error(
+        "--hover-stick-us: an ArduCopter tells itself: MOT_THST_HOVER, a PX4 MPC_THR_HOVER");
   const bool no_hover = !uri.mavlink && options.told.hover_stick_us == 0;
   for (const auto& [flag, missing] : {std::pair{"--name", options.told.name.empty()},
                                       {"--hover-stick-us", no_hover},
@@ -172,7 +196,7 @@ int bench_drone(const BenchDroneOptions& options) {
   check_outputs({{"--out", options.out, {"file of a drone", live::kDroneFileMark}}}, {},
                 options.common);
   live::Port port = live::opened(uri);
-  if (uri.mavlink) return bench_ardu(options, uri, std::move(port));
+  if (uri.mavlink) return bench_mavlink(options, uri, std::move(port));
   const live::Introduction said = live::introduction_of(port);
   Protocol protocol{options.common.quiet, options.json};
   // The checks below need a controller that is known. The link is timed even when a sensor is wrong.

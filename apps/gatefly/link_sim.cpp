@@ -28,7 +28,7 @@ struct LinkSimOptions {
   std::uint64_t seed = 1;
   std::string log, bench, controller = "betaflight-4.5";
   /// Options that were not given follow the controller.
-  std::optional<int> servos, state, radio, controller_port, baud;
+  std::optional<int> servos, state, radio, controller_port, mavlink, baud;
   bool json = false, second_round = false;
 };
 
@@ -110,6 +110,14 @@ int simulate_link(const LinkSimOptions& options) {
     // Its motors stand for two seconds after arming.
     params.radio.hand_over = 3.0;
   }
+  if (options.controller == "px4") {
+    params.autopilot = link_sim::Autopilot::kPx4;
+    const int pictures = params.ports.pictures;
+    params.ports = link_sim::kPx4Ports;
+    params.ports.pictures = pictures;
+    // Its motors stand for a second after arming.
+    params.radio.hand_over = 2.0;
+  }
   if (options.controller == "ts-002") {
     if (!options.bench.empty())
       throw std::runtime_error("--bench: TS-002 has no bench; nobody hands its drone over");
@@ -125,14 +133,17 @@ int simulate_link(const LinkSimOptions& options) {
   params.ports.state = options.state.value_or(params.ports.state);
   params.ports.radio = options.radio.value_or(params.ports.radio);
   params.ports.controller = options.controller_port.value_or(params.ports.controller);
+  params.ports.mavlink = options.mavlink.value_or(params.ports.mavlink);
   params.release = options.controller == "betaflight-4.5" ? betaflight_sitl::Release::k4_5
                                                           : betaflight_sitl::Release::k2026;
   const auto say = [&](const std::string& what) {
     if (!options.race.common.quiet) std::cerr << "gatefly link-sim: " << what << std::endl;
   };
   const auto no_controller = [&] {
-    return std::runtime_error("no flight controller tells motors at udp 127.0.0.1:" +
-                              std::to_string(params.ports.servos));
+    const bool px4 = params.autopilot == link_sim::Autopilot::kPx4;
+    return std::runtime_error(
+        std::string{"no flight controller tells motors at "} + (px4 ? "tcp" : "udp") +
+        " 127.0.0.1:" + std::to_string(px4 ? params.ports.state : params.ports.servos));
   };
   if (!options.bench.empty()) {
     if (!link_sim::hold(
@@ -169,11 +180,13 @@ void declare_link_sim(Command& command) {
       "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n"
       "with ArduCopter's (arducopter --model json:127.0.0.1 --serial0 tcp:5760):\n"
       "  gatefly link-sim oval --vehicle archer-b2 --config arducopter --autopilot arducopter\n"
+      "with PX4's (PX4_SIM_MODEL=none_iris px4 -d etc):\n"
+      "  gatefly link-sim oval --vehicle archer-b2 --config arducopter --autopilot px4\n"
       "or as a simulator of TS-002, the AI Grand Prix's virtual qualifier, without any other "
       "program:\n"
       "  gatefly link-sim oval --vehicle archer-b2 --camera grandprix --config ts002 --autopilot "
       "ts-002\n\n"
-      "It waits for the controller, then says \"ready\"; once a program has called at --msp it "
+      "It waits for the controller, then says \"ready\"; once a program has called it "
       "arms, "
       "hands over, and takes the\ndrone back when it has landed, hit something, or the time is "
       "over. Everything is on 127.0.0.1.\n"
@@ -190,13 +203,13 @@ void declare_link_sim(Command& command) {
   command
       .option("--autopilot", options->controller,
               "the controller's simulator: its releases differ in a sign; ts-002: our own")
-      .one_of({"betaflight-4.5", "betaflight-2026", "arducopter", "ts-002"})
+      .one_of({"betaflight-4.5", "betaflight-2026", "arducopter", "px4", "ts-002"})
       .show_default();
   command.option("--baud", options->baud, "speed of the serial line: 115200; ArduCopter's 921600")
       .between(9600, 10'000'000);
   command
       .option("--loss", options->params.network.loss,
-              "part of the pictures' slices that is lost; of TS-002 all datagrams'")
+              "part of the pictures' slices that is lost; of TS-002 and PX4 all datagrams'")
       .between(0.0, 0.9);
   command
       .option("--reorder", options->params.network.reorder,
@@ -219,14 +232,18 @@ void declare_link_sim(Command& command) {
   port("--servos", options->servos,
        "UDP port at which the controller tells its motors: 9001; ArduCopter's 9002");
   port("--state", options->state,
-       "UDP port at which it hears its sensors: 9003; ArduCopter hears them at its own");
-  port("--radio", options->radio, "UDP port of its receiver: 9004; ArduCopter's 5501");
+       "UDP port at which it hears its sensors: 9003; ArduCopter hears them at its own; PX4 calls "
+       "at TCP 4560 for them and for its motors");
+  port("--radio", options->radio,
+       "UDP port of its receiver: 9004; ArduCopter's 5501; PX4's for a ground station 18570");
   port("--controller", options->controller_port,
-       "TCP port of its serial line: 5761; ArduCopter's 5760");
+       "TCP port of its serial line: 5761; ArduCopter's 5760; PX4 tells a computer aboard at UDP "
+       "14540");
   port("--msp", ports.msp, "TCP port of that line, paced, for the program that flies")
       .show_default();
   port("--pictures", ports.pictures, "UDP port of that program's camera").show_default();
-  port("--mavlink", ports.mavlink, "UDP port of that program's end of TS-002").show_default();
+  port("--mavlink", options->mavlink,
+       "UDP port of that program's end of TS-002, 14550, or of PX4, 14551");
   command.flag("--second-round", options->second_round,
                "TS-002 as in its second round: no ATTITUDE");
   Flag log =

@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Races that `gatefly run` flies behind a flight controller's program and `gatefly link-sim`, one seed after another, in real time; leave both cores to it.
 
-usage: over_the_link.py GATEFLY REPOSITORY_ROOT CONTROLLER [--memory eeprom.bin | --arducopter | --ts002] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
+usage: over_the_link.py GATEFLY REPOSITORY_ROOT CONTROLLER [--memory eeprom.bin | --arducopter | --px4 FAKE_BETAFLIGHT | --ts002] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
                         [--loss 0.02] [--reorder 0.02] [--ahead 'chrt -f 20'] [--kept FILE]
-    CONTROLLER       tests/fake_betaflight_sitl; or Betaflight's simulator with --memory (tests/live/betaflight_4_5.txt); or ArduCopter's with --arducopter; with --ts002
-                     link-sim speaks TS-002 and there is none: any word
+    CONTROLLER       tests/fake_betaflight_sitl; or Betaflight's simulator with --memory (tests/live/betaflight_4_5.txt); or ArduCopter's with --arducopter; or the
+                     folder in which PX4 was built with --px4, and tests/fake_betaflight, which signs its drone file; with --ts002 link-sim speaks TS-002 and there is none: any word
     --kept           a file to which every race is added, a line of JSON; races that are in it are not flown again
 Exit code 0: all finished and landed; 1: not.
 """
@@ -17,7 +17,7 @@ import statistics
 import sys
 import tempfile
 
-from simulated import ArduCopter, Simulated, Ts002, ended
+from simulated import ArduCopter, Px4, Simulated, Ts002, ended
 
 
 def flown(drone, file, options, seed):
@@ -53,6 +53,7 @@ def main():
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument("--memory", default="")
     kind.add_argument("--arducopter", action="store_true")
+    kind.add_argument("--px4", default="")
     kind.add_argument("--ts002", action="store_true")
     parser.add_argument("--second-round", action="store_true", help="of TS-002: no ATTITUDE")
     parser.add_argument("--track", default="oval")
@@ -76,6 +77,8 @@ def main():
             around = {"track": options.track, "camera": options.camera, "ahead": options.ahead.split()}
             if options.ts002:
                 return Ts002(resolved["gatefly"], resolved["root"], own, **around)
+            if options.px4:
+                return Px4(resolved["gatefly"], resolved["root"], own, resolved["controller"], pathlib.Path(options.px4).resolve(), **around)
             if options.arducopter:
                 return ArduCopter(resolved["gatefly"], resolved["root"], own, resolved["controller"], **around)
             which = {"betaflight": resolved["controller"], "memory": options.memory} if options.memory else {"fake": resolved["controller"]}

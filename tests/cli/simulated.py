@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """A drone in a simulator, as `gatefly run` and `bench-drone` have one: a flight controller that runs as a program, and `gatefly link-sim` around it. The
 controller is a fake that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), or Betaflight's own simulator target, set up as
-tests/live/betaflight_4_5.txt says; or ArduCopter's; or none, where link-sim speaks TS-002 itself.
+tests/live/betaflight_4_5.txt says; or ArduCopter's or PX4's; or none, where link-sim speaks TS-002 itself.
 """
 import json
 import os
 import pathlib
 import shutil
+import signal
 import socket
 import subprocess
 import time
@@ -163,6 +164,54 @@ class ArduCopter(Simulated):
         self.controller = self.start(*ahead, program, "--model", "json:127.0.0.1", "--serial0", "tcp:5760", "--defaults", self.root / "tests" / "live" / "arducopter.parm", "-I0",
                                      "--home", "52,4.37,0,0", "--wipe", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         self.link = ["--link", f"mavlink:tcp:127.0.0.1:{self.ports['msp']}"]
+
+
+class Px4(Simulated):
+    """PX4's own simulator (tools/autopilots.sh --px4), set up as tests/live/px4/px4-rc.params says, at the ports that are its own."""
+
+    def __init__(self, gatefly, root, folder, build, signs, track="oval", camera="", ahead=()):
+        """build: the folder in which it was built, with bin/px4 and etc/ in it. signs: tests/fake_betaflight of the build, which signs a drone file."""
+        self._around(gatefly, root, folder, track, camera, ahead)
+        self.signs = signs
+        self.build = pathlib.Path(build)
+        self.configs = ["--config", "archer-b2", "--config", "arducopter", *camera_words(camera)]
+        line, = free_ports(1, socket.SOCK_DGRAM)
+        self.ports.update(state=4560, radio=18570, controller=14540)
+        self.world_words = ["--autopilot", "px4", "--mavlink", line]
+        self.environment.update(PX4_SIM_MODEL="none_iris", PATH=f"{self.root / 'tests' / 'live' / 'px4'}:{os.environ['PATH']}")
+        with open(self.folder / "px4.txt", "w", encoding="utf-8") as says:
+            self.controller = self.start(*ahead, self.build / "bin" / "px4", "-d", self.build / "etc", stdin=subprocess.DEVNULL, stdout=says, stderr=subprocess.STDOUT,
+                                         start_new_session=True)
+        self.link = ["--link", f"mavlink:udpin:127.0.0.1:{line}"]
+
+    def world(self, *words, **more):
+        process = super().world(*words, **more)
+        # Level and still, as whoever owns it would.
+        subprocess.run([self.build / "bin" / "px4-commander", "calibrate", "accel", "quick"], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=20, check=True)
+        end = time.monotonic() + 20
+        while "offset:" not in (self.folder / "px4.txt").read_text(encoding="utf-8", errors="replace"):
+            if time.monotonic() > end:
+                ended(process)
+                raise RuntimeError("PX4 does not calibrate its accelerometer")
+            time.sleep(0.1)
+        return process
+
+    def benched(self, seed):
+        """A drone.toml as tests/live has it, signed: there is no hand-over test for a PX4 yet."""
+        content = (self.root / "tests" / "live" / "px4_sim.toml").read_text(encoding="utf-8")
+        plain = self.folder / "plain.toml"
+        plain.write_text(content, encoding="utf-8")
+        flies = pathlib.Path(self.gatefly).with_name("gatefly-lab")
+        mark = subprocess.run([self.signs, "--sign", plain, flies if flies.exists() else self.gatefly], capture_output=True, text=True, check=True).stdout.strip()
+        signed = self.folder / "drone.toml"
+        signed.write_text(f'{content}\n[hand_over_test]\npassed = "{mark}"\n', encoding="utf-8")
+        return signed, f"seed {seed}: not flown for it"
+
+    def end(self):
+        # Its startup script is a program of its own, which would go on and talk to the next one.
+        os.killpg(self.controller.pid, signal.SIGKILL)
+        super().end()
 
 
 class Ts002(Simulated):

@@ -1,42 +1,26 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/guard/ardu_interview.hpp"
 
-#include <algorithm>
-
 namespace gatefly::guard {
 namespace {
 
-constexpr std::uint8_t kArduPilot = 3, kArmedBit = 128;
-/// MAV_TYPE of quadrotor, coaxial, hexarotor, octorotor, tricopter, dodecarotor, decarotor.
-constexpr std::array<std::uint8_t, 7> kMulticopters{2, 3, 13, 14, 15, 29, 35};
-constexpr std::uint32_t kGyroBit = 1, kAccelerometerBit = 2;
+constexpr std::uint8_t kArduPilot = 3;
 constexpr int kThrustAsThrust = 8;
-/// Silent for longer, nobody of ours is left to speak: the second process takes 62 ms.
-constexpr float kLongestTimeout = 1.0f;
-
-bool works(const mavlink::SysStatus& status, std::uint32_t bit) {
-  return (status.onboard_control_sensors_present & status.onboard_control_sensors_health & bit) !=
-         0;
-}
 
 void add_parameters(const ArduFacts& facts, ArduComplaints& complaints) {
-  const auto& all = facts.parameters;
-  if (!std::all_of(all.begin(), all.end(), [](const auto& each) { return each.has_value(); })) {
+  if (!facts.has_all_parameters()) {
     complaints.push_back(ArduComplaint::kNoParameters);
     return;
   }
   const auto options = static_cast<int>(*facts.parameter(ArduParameter::kGuidedOptions));
   if ((options & kThrustAsThrust) == 0) complaints.push_back(ArduComplaint::kThrustIsClimbRate);
   const float timeout = *facts.parameter(ArduParameter::kGuidedTimeout);
-  if (!(timeout > 0.0f && timeout <= kLongestTimeout))
-    complaints.push_back(ArduComplaint::kTimeout);
+  if (!(timeout > 0.0f && timeout <= kLongestHold)) complaints.push_back(ArduComplaint::kTimeout);
   const float hover = *facts.parameter(ArduParameter::kHoverThrust);
   if (!(hover >= 0.05f && hover <= 0.8f)) complaints.push_back(ArduComplaint::kNoHover);
 }
 
 }  // namespace
-
-bool ArduFacts::armed() const { return !heartbeat || (heartbeat->base_mode & kArmedBit) != 0; }
 
 ArduComplaints complaints_about(const ArduFacts& facts) {
   ArduComplaints complaints;
@@ -44,15 +28,11 @@ ArduComplaints complaints_about(const ArduFacts& facts) {
     complaints.push_back(ArduComplaint::kNotArduPilot);
     return complaints;
   }
-  if (std::find(kMulticopters.begin(), kMulticopters.end(), facts.heartbeat->type) ==
-      kMulticopters.end())
-    complaints.push_back(ArduComplaint::kNoMulticopter);
+  if (!facts.is_multicopter()) complaints.push_back(ArduComplaint::kNoMulticopter);
   if (!facts.version) complaints.push_back(ArduComplaint::kNoVersion);
   add_parameters(facts, complaints);
-  if (!facts.sensors || !works(*facts.sensors, kGyroBit))
-    complaints.push_back(ArduComplaint::kNoGyro);
-  if (!facts.sensors || !works(*facts.sensors, kAccelerometerBit))
-    complaints.push_back(ArduComplaint::kNoAccelerometer);
+  if (!facts.gyro_works()) complaints.push_back(ArduComplaint::kNoGyro);
+  if (!facts.accelerometer_works()) complaints.push_back(ArduComplaint::kNoAccelerometer);
   if (facts.armed()) complaints.push_back(ArduComplaint::kArmed);
   return complaints;
 }

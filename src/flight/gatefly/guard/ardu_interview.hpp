@@ -2,13 +2,11 @@
 #pragma once
 
 #include <array>
-#include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <string_view>
 
 #include "gatefly/geometry/fixed_list.hpp"
-#include "gatefly/link/mavlink_telemetry.hpp"
+#include "gatefly/guard/autopilot_facts.hpp"
 
 namespace gatefly::guard {
 
@@ -26,18 +24,7 @@ inline constexpr std::array<std::string_view, 7> kArduParameters{
     "GUID_OPTIONS", "GUID_TIMEOUT", "MOT_THST_HOVER", "MOT_THST_EXPO",
     "MOT_SPIN_MIN", "MOT_SPIN_MAX", "ATC_ANGLE_BOOST"};
 
-/// An ArduCopter's answers about itself; one that did not come is absent.
-struct ArduFacts {
-  std::optional<mavlink::Heartbeat> heartbeat;
-  std::optional<mavlink::AutopilotVersion> version;
-  std::optional<mavlink::SysStatus> sensors;
-  std::array<std::optional<float>, kArduParameters.size()> parameters;
-
-  [[nodiscard]] std::optional<float> parameter(ArduParameter which) const {
-    return parameters[static_cast<std::size_t>(which)];
-  }
-  [[nodiscard]] bool armed() const;
-};
+using ArduFacts = AutopilotFacts<ArduParameter, kArduParameters.size()>;
 
 /// Reasons why this program must not fly it.
 enum class ArduComplaint : std::uint8_t {

@@ -2,6 +2,7 @@
 #include "gatefly/link/mavlink_axes.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "gatefly/geometry/math.hpp"
@@ -68,6 +69,12 @@ gatefly::Attitude attitude_of(const AttitudeQuaternion& a) {
 
 Place place_of(const LocalPositionNed& place) {
   return {vector(place.x, place.y, place.z), vector(place.vx, place.vy, place.vz)};
+}
+
+float px4_value_of(const ParamValue& value) {
+  constexpr std::uint8_t kInt32 = 6;
+  if (value.param_type != kInt32) return value.param_value;
+  return static_cast<float>(std::bit_cast<std::int32_t>(value.param_value));
 }
 
 SetAttitudeTarget attitude_target(const Target& target, const gatefly::Attitude& attitude,

@@ -33,6 +33,14 @@ struct Place {
 
 /// ArduCopter's custom_mode in which it flies by set points of attitude or rates without knowing where it is.
 inline constexpr std::uint32_t kGuidedNoGps = 20;
+/// PX4's main mode in which it flies by set points, bits 16 to 23 of its custom_mode.
+inline constexpr std::uint32_t kPx4Offboard = 6;
+[[nodiscard]] constexpr bool is_offboard(std::uint32_t custom_mode) {
+  return ((custom_mode >> 16) & 0xFF) == kPx4Offboard;
+}
+
+/// A parameter's value as PX4 tells it: those of whole numbers are the bits of an int32. ArduPilot tells all as numbers.
+[[nodiscard]] float px4_value_of(const ParamValue& value);
 
 /// Addressee of a command.
 struct Target {

@@ -33,17 +33,57 @@ void each_sample(LinkQueries& link, std::chrono::milliseconds limit, Take&& take
 
 Finding gone(const LinkQueries& link) { return {false, link.name() + ": the connection is gone"}; }
 
+/// What keeps an autopilot from being flown; nothing: `well`.
+template <class Introduction, class Well>
+Findings of_answers(const Introduction& said, Well&& well) {
+  Findings found;
+  if (said.other_client) found.push_back({false, "another program talks to the controller"});
+  for (const auto complaint : guard::complaints_about(said.facts))
+    found.push_back({false, std::string{guard::text_of(complaint)}});
+  if (found.empty()) found.push_back({true, well()});
+  return found;
+}
+
+/// A drone.toml of MAVLink, one table and key after the other.
+class DroneText {
+ public:
+  explicit DroneText(const std::string& name) {
+    table("drone");
+    word("name", name);
+  }
+  void table(const std::string& name) { text_ += "\n[" + name + "]\n"; }
+  void word(const std::string& key, const std::string& value) {
+    text_ += key + " = \"" + value + "\"\n";
+  }
+  void number(const std::string& key, double value) {
+    text_ += key + " = " + files::text_of(value) + "\n";
+  }
+  /// What was told and not read, and all.
+  [[nodiscard]] std::string end(const Told& told) {
+    number("exponent", told.exponent);
+    table("battery");
+    number("least_v", told.least_v);
+    return std::string{kDroneFileMark} + "; what was told and not read: name, exponent, least_v." +
+           text_;
+  }
+
+ private:
+  std::string text_;
+};
+
 }  // namespace
 
 Findings of_introduction(const ArduIntroduction& said) {
-  Findings found;
-  if (said.other_client) found.push_back({false, "another program talks to the controller"});
-  for (const guard::ArduComplaint complaint : guard::complaints_about(said.facts))
-    found.push_back({false, std::string{guard::text_of(complaint)}});
-  if (found.empty())
-    found.push_back({true, "ArduCopter " + ardu_drone_of(said.facts).version +
-                               ": thrust is thrust, and it lets go of a set point in time"});
-  return found;
+  return of_answers(said, [&] {
+    return "ArduCopter " + ardu_drone_of(said.facts).version +
+           ": thrust is thrust, and it lets go of a set point in time";
+  });
+}
+
+Findings of_introduction(const Px4Introduction& said) {
+  return of_answers(said, [&] {
+    return "PX4 " + px4_drone_of(said.facts).version + ": without set points it lands in time";
+  });
 }
 
 Findings of_rest(LinkQueries& link, std::chrono::milliseconds lasts) {
@@ -77,7 +117,7 @@ Findings of_rest(LinkQueries& link, std::chrono::milliseconds lasts) {
                           "accelerometer: level, it shows (" + files::fixed(accel.x(), 1) + ", " +
                               files::fixed(accel.y(), 1) + ", " + files::fixed(accel.z(), 1) +
                               ") m/s² to front, right, down: put the drone level, or set "
-                              "AHRS_ORIENTATION"));
+                              "AHRS_ORIENTATION, of a PX4 SENS_BOARD_ROT"));
   found.push_back(told_so(
       std::abs(norm - kGravity) < 0.05 * kGravity,
       "accelerometer: " + files::fixed(norm, 2) + " m/s² at rest",
@@ -135,29 +175,34 @@ Findings of_link(LinkCommands& link, std::chrono::milliseconds lasts) {
 }
 
 std::string drone_toml(const ArduDrone& drone, const Told& told) {
-  std::string text =
-      std::string{kDroneFileMark} + "; what was told and not read: name, exponent, least_v.\n";
-  const auto line = [&text](const std::string& key, const std::string& value) {
-    text += key + " = " + value + "\n";
-  };
-  text += "[drone]\n";
-  line("name", "\"" + told.name + "\"");
-  text += "\n[controller]\n";
-  line("firmware", "\"ARDU\"");
-  line("version", "\"" + drone.version + "\"");
-  line("system", std::to_string(drone.system));
-  line("guided_options", std::to_string(drone.guided_options));
-  line("guided_timeout_s", files::text_of(drone.guided_timeout_s));
-  text += "\n[thrust]\n";
-  line("hover", files::text_of(drone.hover));
-  line("expo", files::text_of(drone.expo));
-  line("spin_min", files::text_of(drone.spin_min));
-  line("spin_max", files::text_of(drone.spin_max));
-  line("angle_boost", drone.angle_boost ? "1" : "0");
-  line("exponent", files::text_of(told.exponent));
-  text += "\n[battery]\n";
-  line("least_v", files::text_of(told.least_v));
-  return text;
+  DroneText text{told.name};
+  text.table("controller");
+  text.word("firmware", "ARDU");
+  text.word("version", drone.version);
+  text.number("system", drone.system);
+  text.number("guided_options", drone.guided_options);
+  text.number("guided_timeout_s", drone.guided_timeout_s);
+  text.table("thrust");
+  text.number("hover", drone.hover);
+  text.number("expo", drone.expo);
+  text.number("spin_min", drone.spin_min);
+  text.number("spin_max", drone.spin_max);
+  text.number("angle_boost", drone.angle_boost ? 1 : 0);
+  return text.end(told);
+}
+
+std::string drone_toml(const Px4Drone& drone, const Told& told) {
+  DroneText text{told.name};
+  text.table("controller");
+  text.word("firmware", "PX4");
+  text.word("version", drone.version);
+  text.number("system", drone.system);
+  text.number("offboard_timeout_s", drone.offboard_timeout_s);
+  text.number("offboard_loss", drone.offboard_loss);
+  text.table("thrust");
+  text.number("hover", drone.hover);
+  text.number("model_factor", drone.model_factor);
+  return text.end(told);
 }
 
 }  // namespace gatefly::live

@@ -14,6 +14,7 @@
 #include "gatefly/live/mavlink_speaker.hpp"
 #include "gatefly/live/msp_introduction.hpp"
 #include "gatefly/live/msp_speaker.hpp"
+#include "gatefly/live/px4_introduction.hpp"
 #include "gatefly/live/ts002_introduction.hpp"
 
 namespace gatefly::live {
@@ -62,6 +63,20 @@ Acquaintance met_ardu(Port& port, const DroneFile& drone, bool only_listens) {
   return {};
 }
 
+/// The same of a PX4.
+Acquaintance met_px4(Port& port, const DroneFile& drone, bool only_listens) {
+  const Px4Introduction said = px4_introduction_of(port, drone.system());
+  if (said.other_client) not_alone();
+  for (const guard::Px4Complaint complaint : guard::complaints_about(said.facts))
+    if (!only_listens || complaint != guard::Px4Complaint::kArmed)
+      refuse(guard::text_of(complaint));
+  if (const auto others = differences(drone, said.facts); !others.empty())
+    not_the_drone(drone, others);
+  if (!only_listens && mavlink::is_offboard(said.facts.heartbeat->custom_mode))
+    refuse("the mode is OFFBOARD: choose another before the program starts");
+  return {};
+}
+
 /// The same of a simulator that speaks TS-002.
 Acquaintance met_ts002(Port& port, const DroneFile& drone, bool only_listens) {
   const Ts002Introduction said = ts002_introduction_of(port, drone.system());
@@ -102,6 +117,7 @@ Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_list
   };
   try {
     const Acquaintance known = drone.ardu    ? met_ardu(port, drone, only_listens)
+                               : drone.px4   ? met_px4(port, drone, only_listens)
                                : drone.ts002 ? met_ts002(port, drone, only_listens)
                                              : met_betaflight(port, drone, only_listens);
     return {std::move(port), known};

@@ -8,7 +8,6 @@
 #include <sstream>
 #include <stdexcept>
 #include <string_view>
-#include <tuple>
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
@@ -83,6 +82,24 @@ void read_thrust(Strict thrust, DroneFile& drone) {
   thrust.table().refuse_others();
 }
 
+/// [controller] and [thrust] of a PX4.
+void read_px4(Strict controller, DroneFile& drone) {
+  Px4Drone& px4 = drone.px4.emplace();
+  px4.version = controller.text("version");
+  px4.system = controller.whole("system", 1, 254);
+  px4.offboard_timeout_s = controller.number("offboard_timeout_s", 0.01, 5.0);
+  px4.offboard_loss = controller.whole("offboard_loss", 0, 20);
+  controller.table().refuse_others();
+}
+
+void read_px4_thrust(Strict thrust, DroneFile& drone) {
+  Px4Drone& px4 = *drone.px4;
+  px4.hover = thrust.number("hover", 0.05, 0.8);
+  px4.model_factor = thrust.number("model_factor", 0.0, 1.0);
+  drone.hover = {.throttle = 1e3 * px4.hover, .exponent = thrust.number("exponent", 0.8, 3.0)};
+  thrust.table().refuse_others();
+}
+
 /// [controller] and [thrust] of a TS-002 simulator's drone.
 void read_ts002(Strict controller, DroneFile& drone) {
   drone.ts002.emplace().system = controller.whole("system", 1, 254);
@@ -98,11 +115,13 @@ void read_ts002_thrust(Strict thrust, DroneFile& drone) {
 void read_controller(Strict controller, DroneFile& drone) {
   const std::string firmware = controller.text("firmware");
   if (firmware == "ARDU") return read_ardu(std::move(controller), drone);
+  if (firmware == "PX4") return read_px4(std::move(controller), drone);
   if (firmware == "TS-002") return read_ts002(std::move(controller), drone);
   drone.board = controller.text("board");
   if (drone.board.size() != 4) controller.fail("board", "the four letters of MSP_BOARD_INFO");
   if (firmware != "BTFL")
-    controller.fail("firmware", "\"BTFL\": Betaflight, \"ARDU\": ArduCopter, or \"TS-002\"");
+    controller.fail("firmware",
+                    "\"BTFL\": Betaflight, \"ARDU\": ArduCopter, \"PX4\", or \"TS-002\"");
   drone.api_minor = controller.whole("api_minor", 43, 46);
   controller.table().refuse_others();
 }
@@ -193,6 +212,13 @@ std::string constants_of(const DroneFile& d) {
     add(value);
   for (std::size_t i = 0; i < 3; ++i) add(t.super_rate[i]), add(t.rate_limit[i]);
   for (std::size_t i = 0; i < 4; ++i) add(d.map.place[i]);
+  if (d.px4) {
+    const Px4Drone& p = *d.px4;
+    all += "|PX4|" + p.version;
+    for (const double value :
+         {double(p.system), p.offboard_timeout_s, double(p.offboard_loss), p.hover, p.model_factor})
+      add(value);
+  }
   if (!d.ardu) return all;
   const ArduDrone& a = *d.ardu;
   all += "|" + a.version;
@@ -252,6 +278,9 @@ DroneFile read_drone(const std::filesystem::path& path) {
   if (drone.ardu) {
     expect({"thrust"});
     read_thrust(Strict{file.table("thrust")}, drone);
+  } else if (drone.px4) {
+    expect({"thrust"});
+    read_px4_thrust(Strict{file.table("thrust")}, drone);
   } else if (drone.ts002) {
     expect({"thrust"});
     read_ts002_thrust(Strict{file.table("thrust")}, drone);
@@ -274,7 +303,7 @@ DroneFile read_drone(const std::filesystem::path& path) {
     test.table().refuse_others();
   }
   file.refuse_others();
-  if (!drone.ardu) derive(file, drone);
+  if (!drone.by_mavlink()) derive(file, drone);
   return drone;
 }
 
@@ -351,15 +380,46 @@ std::vector<std::string> differences(const DroneFile& drone, const guard::DroneF
   return found;
 }
 
+namespace {
+
+/// A parameter is a float: of its decimals those that somebody may have written.
+double written(std::optional<float> parameter) {
+  return std::round(1e5 * double(parameter.value_or(0.0f))) / 1e5;
+}
+
+std::string version_of(const std::optional<mavlink::AutopilotVersion>& told) {
+  const std::uint32_t version = told ? told->flight_sw_version : 0;
+  const auto part = [version](int shift) { return std::to_string((version >> shift) & kByte); };
+  return part(24) + "." + part(16) + "." + part(8);
+}
+
+/// Collects in what a controller is another than the file says.
+class Comparison {
+ public:
+  void text(const char* what, const std::string& told, const std::string& wanted) {
+    if (told != wanted)
+      found_.push_back(std::string{what} + " is " + told + ", in the file " + wanted);
+  }
+  void number(const char* what, double told, double wanted) {
+    text(what, files::text_of(told), files::text_of(wanted));
+  }
+  /// Hover is learnt while it flies; more than a tenth is another drone.
+  void hover(const char* what, double told, double wanted) {
+    constexpr double kLearns = 0.1;
+    if (std::abs(told - wanted) > kLearns * wanted) number(what, told, wanted);
+  }
+  [[nodiscard]] const std::vector<std::string>& found() const { return found_; }
+
+ private:
+  std::vector<std::string> found_;
+};
+
+}  // namespace
+
 ArduDrone ardu_drone_of(const guard::ArduFacts& facts) {
   using Parameter = guard::ArduParameter;
-  // A parameter is a float: of its decimals those that somebody may have written.
-  const auto is = [&](Parameter which) {
-    return std::round(1e5 * double(facts.parameter(which).value_or(0.0f))) / 1e5;
-  };
-  const std::uint32_t version = facts.version ? facts.version->flight_sw_version : 0;
-  const auto part = [version](int shift) { return std::to_string((version >> shift) & kByte); };
-  return {.version = part(24) + "." + part(16) + "." + part(8),
+  const auto is = [&](Parameter which) { return written(facts.parameter(which)); };
+  return {.version = version_of(facts.version),
           .system = 1,
           .guided_options = static_cast<int>(is(Parameter::kGuidedOptions)),
           .guided_timeout_s = is(Parameter::kGuidedTimeout),
@@ -370,28 +430,42 @@ ArduDrone ardu_drone_of(const guard::ArduFacts& facts) {
           .angle_boost = is(Parameter::kAngleBoost) != 0.0};
 }
 
+Px4Drone px4_drone_of(const guard::Px4Facts& facts) {
+  using Parameter = guard::Px4Parameter;
+  const auto is = [&](Parameter which) { return written(facts.parameter(which)); };
+  return {.version = version_of(facts.version),
+          .system = 1,
+          .offboard_timeout_s = is(Parameter::kOffboardTimeout),
+          .offboard_loss = static_cast<int>(is(Parameter::kOffboardLoss)),
+          .hover = is(Parameter::kHoverThrust),
+          .model_factor = is(Parameter::kModelFactor)};
+}
+
 std::vector<std::string> differences(const DroneFile& drone, const guard::ArduFacts& facts) {
-  /// Part of hover that it learns while it flies; more is another drone.
-  constexpr double kLearns = 0.1;
-  std::vector<std::string> found;
   const ArduDrone is = ardu_drone_of(facts);
   const ArduDrone& file = *drone.ardu;
-  const auto differs = [&](const char* what, const std::string& told, const std::string& wanted) {
-    if (told != wanted)
-      found.push_back(std::string{what} + " is " + told + ", in the file " + wanted);
-  };
-  differs("version", is.version, file.version);
-  for (const auto& [what, told, wanted] :
-       {std::tuple{"GUID_OPTIONS", double(is.guided_options), double(file.guided_options)},
-        {"GUID_TIMEOUT", is.guided_timeout_s, file.guided_timeout_s},
-        {"MOT_THST_EXPO", is.expo, file.expo},
-        {"MOT_SPIN_MIN", is.spin_min, file.spin_min},
-        {"MOT_SPIN_MAX", is.spin_max, file.spin_max},
-        {"ATC_ANGLE_BOOST", double(is.angle_boost), double(file.angle_boost)}})
-    differs(what, files::text_of(told), files::text_of(wanted));
-  if (std::abs(is.hover - file.hover) > kLearns * file.hover)
-    differs("MOT_THST_HOVER", files::text_of(is.hover), files::text_of(file.hover));
-  return found;
+  Comparison compare;
+  compare.text("version", is.version, file.version);
+  compare.number("GUID_OPTIONS", is.guided_options, file.guided_options);
+  compare.number("GUID_TIMEOUT", is.guided_timeout_s, file.guided_timeout_s);
+  compare.number("MOT_THST_EXPO", is.expo, file.expo);
+  compare.number("MOT_SPIN_MIN", is.spin_min, file.spin_min);
+  compare.number("MOT_SPIN_MAX", is.spin_max, file.spin_max);
+  compare.number("ATC_ANGLE_BOOST", double(is.angle_boost), double(file.angle_boost));
+  compare.hover("MOT_THST_HOVER", is.hover, file.hover);
+  return compare.found();
+}
+
+std::vector<std::string> differences(const DroneFile& drone, const guard::Px4Facts& facts) {
+  const Px4Drone is = px4_drone_of(facts);
+  const Px4Drone& file = *drone.px4;
+  Comparison compare;
+  compare.text("version", is.version, file.version);
+  compare.number("COM_OF_LOSS_T", is.offboard_timeout_s, file.offboard_timeout_s);
+  compare.number("COM_OBL_RC_ACT", is.offboard_loss, file.offboard_loss);
+  compare.number("THR_MDL_FAC", is.model_factor, file.model_factor);
+  compare.hover("MPC_THR_HOVER", is.hover, file.hover);
+  return compare.found();
 }
 
 }  // namespace gatefly::live

@@ -9,6 +9,7 @@
 
 #include "gatefly/guard/ardu_interview.hpp"
 #include "gatefly/guard/interview.hpp"
+#include "gatefly/guard/px4_interview.hpp"
 #include "gatefly/link/msp_axes.hpp"
 #include "gatefly/link/msp_messages.hpp"
 #include "gatefly/link/rate_curve.hpp"
@@ -38,6 +39,16 @@ struct ArduDrone {
   [[nodiscard]] double thrust_part(double throttle, double upright) const;
 };
 
+/// The constants of a PX4, which takes rates and thrust as they are.
+struct Px4Drone {
+  std::string version;  ///< "1.14.0"
+  int system = 1;       ///< Its MAVLink id.
+  double offboard_timeout_s = 0.0;
+  int offboard_loss = 0;      ///< COM_OBL_RC_ACT: what it does without set points.
+  double hover = 0.0;         ///< MPC_THR_HOVER: part of the thrust that hovers.
+  double model_factor = 0.0;  ///< THR_MDL_FAC: of its thrust curve.
+};
+
 /// The constants of a drone that speaks TS-002, the AI Grand Prix's virtual qualifier: a simulator's, which answers no questions. Thrust is a
 /// part of the most there is.
 struct Ts002Drone {
@@ -48,7 +59,8 @@ struct Ts002Drone {
 struct DroneFile {
   std::filesystem::path path;
   std::string name;
-  std::optional<ArduDrone> ardu;  ///< An ArduCopter's;
+  std::optional<ArduDrone> ardu;  ///< An ArduCopter's,
+  std::optional<Px4Drone> px4;    ///< a PX4's,
   std::optional<Ts002Drone>
       ts002;  ///< or a TS-002 simulator's; else a Betaflight's, which are these:
   std::string board;
@@ -69,12 +81,14 @@ struct DroneFile {
   /// The sticks for rates about front, right, down [rad/s] and a specific thrust [m/s²].
   [[nodiscard]] msp::Sticks sticks(const Eigen::Vector3d& rates_B, double thrust) const;
   /// Whether it takes rates and thrust over MAVLink; else sticks over MSP.
-  [[nodiscard]] bool by_mavlink() const { return ardu.has_value() || ts002.has_value(); }
+  [[nodiscard]] bool by_mavlink() const { return ardu || px4 || ts002; }
   /// Throttle that hovers, and that of motors at rest, as ControllerState::sticks has them.
   [[nodiscard]] int hover_throttle() const;
   [[nodiscard]] int rest_throttle() const { return by_mavlink() ? 1000 : receiver.min_check; }
   /// Its MAVLink id.
-  [[nodiscard]] int system() const { return ardu ? ardu->system : ts002 ? ts002->system : 1; }
+  [[nodiscard]] int system() const {
+    return ardu ? ardu->system : px4 ? px4->system : ts002 ? ts002->system : 1;
+  }
   /// Thrust to be sent over MAVLink, 0 … 1, for a specific one [m/s²]. @param upright  cosine of the tilt.
   [[nodiscard]] double thrust_part(double thrust, double upright) const;
   /// Whether a hand-over test of these constants and this program has passed. Nobody hands over a TS-002 simulator's drone: always.
@@ -102,8 +116,11 @@ struct DroneFile {
                                                    const std::string& board);
 [[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
                                                    const guard::ArduFacts& facts);
+[[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
+                                                   const guard::Px4Facts& facts);
 
-/// An ArduCopter's own parameters, as the file stores them. Only where guard::complaints_about() has none.
+/// An ArduCopter's or a PX4's own parameters, as the file stores them. Only where guard::complaints_about() has none.
 [[nodiscard]] ArduDrone ardu_drone_of(const guard::ArduFacts& facts);
+[[nodiscard]] Px4Drone px4_drone_of(const guard::Px4Facts& facts);
 
 }  // namespace gatefly::live

@@ -316,17 +316,22 @@ bool HandOverWalk::both_killed() {
          taken_back(" after it", true) && disarmed();
 }
 
-/// One that takes set points must let go of the last one in time.
+/// One that takes set points must let go of the last one in time, by levelling itself or by another mode.
 bool HandOverWalk::let_go(const msp::Sticks& last, Moment since) {
   const std::string line = "both processes killed, as with the cable out: ";
-  const auto holds = [&] { return same_sticks(view_.told().sticks, last, ChannelWatch::kWithin); };
-  const auto seen_without = [&] { return view_.told().sticks_at > since && !holds(); };
-  if (!wait(kLetsGo, seen_without,
+  const auto lets_go = [&] {
+    const Witnessed& told = view_.told();
+    return !told.override_on ||
+           (told.sticks_at > since && !same_sticks(told.sticks, last, ChannelWatch::kWithin));
+  };
+  if (!wait(kLetsGo, lets_go,
             line + "the controller holds the last set point for longer than " + ms(kLetsGo)))
     return false;
-  if (!view_.told().override_on) return wrong(line + "taken back too early");
-  return well(line + "the controller lets go of the last set point after " +
-              ms(view_.told().sticks_at - since) + ", and levels: only your switch ends it");
+  const bool levels = view_.told().override_on;
+  const Moment at = levels ? view_.told().sticks_at : view_.told().status_at;
+  return well(line + "the controller lets go of the last set point after " + ms(at - since) +
+              (levels ? ", and levels: only your switch ends it"
+                      : ", and flies by a mode of its own: your switch takes it back"));
 }
 
 /// Finds out what the channels do when nobody sends. Either answer is well: the pilot only has to know it.

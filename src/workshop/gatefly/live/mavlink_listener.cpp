@@ -82,6 +82,10 @@ void MavlinkListener::ask_clock(link::ByteWriter& out, nanoseconds now, bool bes
 
 bool MavlinkListener::wanted(Wishes which, nanoseconds now) const {
   const Wish& wish = wishes_[which];
+  // A PX4 says a heartbeat a second, more only one by one.
+  if (which == kBeat && params_.px4) return now - wish.asked >= wish.interval;
+  // A PX4's is in counts, whose size nobody tells.
+  if (which == kCoarseImu && params_.px4) return false;
   if (which == kCoarseImu && now - std::max(started_, wishes_[kFineImu].heard) < kFineImuGone)
     return false;
   // Heartbeats come without being asked, but once a second; so a wish is not fulfilled by any.
@@ -99,8 +103,11 @@ link::Bytes MavlinkListener::request(nanoseconds now) {
   for (const Wishes which : {kBeat, kAttitude, kBattery, kTarget, kFineImu, kCoarseImu}) {
     if (!wanted(which, now)) continue;
     Wish& wish = wishes_[which];
-    words_.ask_for(out, wish.message,
-                   std::chrono::duration_cast<std::chrono::microseconds>(wish.interval));
+    if (which == kBeat && params_.px4)
+      words_.ask_once(out, wish.message);
+    else
+      words_.ask_for(out, wish.message,
+                     std::chrono::duration_cast<std::chrono::microseconds>(wish.interval));
     wish.asked = now;
     ++state_.asked;
   }
@@ -160,6 +167,12 @@ void MavlinkListener::take_clock(const mavlink::Timesync& message, nanoseconds n
   }
 }
 
+bool MavlinkListener::override_in(const mavlink::Heartbeat& beat) const {
+  if (params_.ts002) return (beat.base_mode & kArmedBit) != 0;
+  return params_.px4 ? mavlink::is_offboard(beat.custom_mode)
+                     : beat.custom_mode == mavlink::kGuidedNoGps;
+}
+
 void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
   others_.heard(frame);
   state_.other_client = others_.other_client() || (params_.ts002 && is_real_);
@@ -172,13 +185,13 @@ void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
     if (was_armed && !state_.armed) level_ = levelled(params_);
     // A real drone's autopilot is somebody else's to fly.
     is_real_ = is_real_ || autopilot_in(*beat);
-    state_.override_on = params_.ts002 ? state_.armed : beat->custom_mode == mavlink::kGuidedNoGps;
+    state_.override_on = override_in(*beat);
     state_.lifted = state_.armed && beat->system_status >= kInAir;
     heard_beat_at_ = now;
   } else if (const auto fine = mavlink::message_in<mavlink::HighresImu>(frame)) {
     take_sample(mavlink::imu_of(*fine), fine->time_usec, now);
   } else if (const auto coarse = mavlink::message_in<mavlink::RawImu>(frame)) {
-    if (now - wishes_[kFineImu].heard >= kFineImuGone)
+    if (!params_.px4 && now - wishes_[kFineImu].heard >= kFineImuGone)
       take_sample(mavlink::ardupilot_imu_of(*coarse), coarse->time_usec, now);
   } else if (const auto attitude = mavlink::message_in<mavlink::Attitude>(frame)) {
     const gatefly::Attitude is = mavlink::attitude_of(*attitude);

@@ -34,6 +34,7 @@ class MavlinkListener : public Listener {
     int system = 1;
     double imu_hz = 50.0;
     double attitude_hz = 50.0, status_hz = 10.0, battery_hz = 2.0, target_hz = 20.0;  ///< Ours.
+    bool px4 = false;  ///< A PX4; else an ArduCopter, or:
     /// A simulator that speaks TS-002, and no real drone: it is armed for nobody but us, sends what it sends without being asked, perhaps a
     /// heartbeat a second and no attitude.
     bool ts002 = false;
@@ -62,6 +63,7 @@ class MavlinkListener : public Listener {
   void take_sample(const Imu& imu, std::uint64_t stamp_us, std::chrono::nanoseconds now);
   void level_by(const Imu& imu, std::optional<double> since_last, std::chrono::nanoseconds now);
   void take_clock(const mavlink::Timesync& message, std::chrono::nanoseconds now);
+  [[nodiscard]] bool override_in(const mavlink::Heartbeat& beat) const;
   [[nodiscard]] bool wanted(Wishes which, std::chrono::nanoseconds now) const;
 
   Params params_;

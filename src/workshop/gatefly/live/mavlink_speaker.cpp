@@ -12,6 +12,7 @@ MavlinkListener::Params listener_params(const DroneFile& drone, double imu_hz) {
   MavlinkListener::Params params;
   params.system = drone.system();
   params.imu_hz = imu_hz;
+  params.px4 = drone.px4.has_value();
   params.ts002 = drone.ts002.has_value();
   return params;
 }

@@ -8,6 +8,7 @@
 #include "gatefly/link/betaflight_sitl.hpp"
 #include "gatefly/simulated_race/link_sim/datagrams.hpp"
 #include "gatefly/simulated_race/link_sim/link_sim.hpp"
+#include "gatefly/simulated_race/link_sim/px4_end.hpp"
 #include "gatefly/simulated_race/link_sim/ts002_end.hpp"
 
 namespace gatefly::link_sim {
@@ -123,6 +124,13 @@ std::unique_ptr<Controller> controller_of(const LinkSimParams& params,
                                                        .tells_attitude = params.tells_attitude,
                                                        .network = params.network},
                                       day);
+  if (params.autopilot == Autopilot::kPx4)
+    return std::make_unique<Px4End>(Px4End::Params{.simulator = params.ports.state,
+                                                   .companion = params.ports.controller,
+                                                   .station = params.ports.radio,
+                                                   .port = params.ports.mavlink,
+                                                   .network = params.network},
+                                    day);
   if (params.autopilot == Autopilot::kArduCopter)
     return std::make_unique<ArduPilotEnd>(params.ports);
   return std::make_unique<BetaflightEnd>(params.ports, params.release);

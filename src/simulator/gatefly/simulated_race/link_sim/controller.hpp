@@ -29,7 +29,8 @@ class Controller {
 
   /// 0 … 1: front left, front right, rear right, rear left.
   [[nodiscard]] const std::array<double, 4>& motors() const { return motors_; }
-  [[nodiscard]] bool turn() const;
+  /// The motors turn: it has armed.
+  [[nodiscard]] virtual bool turn() const;
   /// A program talks to it, of one that is talked to without a serial line.
   [[nodiscard]] virtual bool called() const { return false; }
   /// Age of the last set point of that program [s].

@@ -22,6 +22,11 @@ constexpr double kCalibrates = 4.0;  ///< A controller looks at a gyro at rest f
 constexpr double kFalls = 2.0;       ///< From taking it back to the end [s].
 constexpr double kPatience = 20.0;   ///< For a controller to say something to its motors [s].
 
+/// Betaflight and ArduCopter are talked to as by a serial line, the others by datagrams.
+bool has_serial_line(Autopilot autopilot) {
+  return autopilot == Autopilot::kBetaflight || autopilot == Autopilot::kArduCopter;
+}
+
 std::string why_taken_back(const DroneInWorld& drone, const SafetyPilot& radio, double limit) {
   if (drone.hit()) return "hit " + *drone.hit();
   return drone.time() - radio.handed_over_at() >= limit ? "time limit" : "landed";
@@ -93,8 +98,7 @@ Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
       say("taken back: " + outcome.reason);
     }
     if (!ready && controller->ever() && drone.time() > kCalibrates) {
-      if (params.autopilot != Autopilot::kTs002)
-        line.emplace(ports.msp, ports.controller, params.baud);
+      if (has_serial_line(params.autopilot)) line.emplace(ports.msp, ports.controller, params.baud);
       ready = true;
       say("ready");
     }
@@ -127,6 +131,7 @@ bool hold(const world::SimConfig& day, const std::string& asks, const LinkSimPar
   PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
   BenchHand hand;
   std::optional<PacedLine> line;
+  bool ready = false;
   for (Pace pace; !stop();) {
     pace.wait();
     controller->listen(drone.time());
@@ -143,11 +148,12 @@ bool hold(const world::SimConfig& day, const std::string& asks, const LinkSimPar
     if (pace.every(kRadioEvery) || done)
       controller->hear_radio(drone.told().time, hand.sticks(),
                              switches_of(hand.armed(), hand.override_on()));
-    if (!line && controller->ever() && drone.time() > kCalibrates) {
-      line.emplace(ports.msp, ports.controller, params.baud);
+    if (!ready && controller->ever() && drone.time() > kCalibrates) {
+      if (has_serial_line(params.autopilot)) line.emplace(ports.msp, ports.controller, params.baud);
+      ready = true;
       say("ready");
     }
-    if (!line && drone.time() > kPatience) return false;
+    if (!ready && drone.time() > kPatience) return false;
   }
   return true;
 }

@@ -18,7 +18,7 @@
 namespace gatefly::link_sim {
 
 /// The flight controller: somebody else's program, or our own behind TS-002.
-enum class Autopilot { kBetaflight, kArduCopter, kTs002 };
+enum class Autopilot { kBetaflight, kArduCopter, kPx4, kTs002 };
 
 /// Ports of 127.0.0.1. The first four are those of Betaflight's simulator target.
 struct Ports {
@@ -28,7 +28,7 @@ struct Ports {
   int controller = 5761;  ///< TCP: its first serial line.
   int msp = 5771;         ///< TCP: that line as the program has it, paced.
   int pictures = 5600;    ///< UDP: the program's camera.
-  int mavlink = 14550;    ///< UDP: the program's end of TS-002.
+  int mavlink = 14550;    ///< UDP: the program's end of TS-002, or of a PX4.
 };
 
 /// A moment of a flight, as it truly was.
@@ -45,12 +45,17 @@ struct TrueMoment {
 inline constexpr Ports kArduCopterPorts{
     .servos = 9002, .state = 0, .radio = 5501, .controller = 5760};
 
+/// Those of PX4: TCP for sensors and motors, here; UDP of its ground station, there, and of its computer aboard, here. It says itself
+/// what it says to a ground station at 14550.
+inline constexpr Ports kPx4Ports{
+    .servos = 0, .state = 4560, .radio = 18570, .controller = 14540, .mavlink = 14551};
+
 struct LinkSimParams {
   Autopilot autopilot = Autopilot::kBetaflight;
   Ports ports;
   betaflight_sitl::Release release = betaflight_sitl::Release::k4_5;
   int baud = 115200;
-  NetworkTroubles network;     ///< Acts on pictures, and on every message of TS-002.
+  NetworkTroubles network;     ///< Acts on pictures, and on every datagram of TS-002 and PX4.
   bool tells_attitude = true;  ///< TS-002 does not, in its second round.
   SafetyPilot::Params radio;
   /// So long after the hand-over the cable is pulled, or the camera hangs [s]; nullopt: never.

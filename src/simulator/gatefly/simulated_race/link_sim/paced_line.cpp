@@ -3,21 +3,13 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <stdexcept>
-#include <string>
 #include <utility>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <netinet/tcp.h>
 #include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include "gatefly/live/port.hpp"
 
@@ -72,44 +64,26 @@ double StickGaps::longest(live::Moment now) {
 }
 
 PacedLine::PacedLine(int port, int controller, int baud)
-    : listener_{socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0)},
-      controller_port_{controller},
-      baud_{baud} {
-  sockaddr_in at{};
-  at.sin_family = AF_INET;
-  at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  at.sin_port = htons(static_cast<std::uint16_t>(port));
-  const int yes = 1;
-  if (listener_ >= 0) setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &yes, sizeof yes);
-  if (listener_ < 0 || bind(listener_, reinterpret_cast<const sockaddr*>(&at), sizeof at) != 0 ||
-      listen(listener_, 1) != 0) {
-    const std::string why = std::strerror(errno);
-    if (listener_ >= 0) close(listener_);
-    throw std::runtime_error("127.0.0.1:" + std::to_string(port) + ": cannot be opened: " + why);
-  }
+    : door_{port}, controller_port_{controller}, baud_{baud} {
   thread_ = std::thread{[this] { work(); }};
 }
 
 PacedLine::~PacedLine() {
   over_ = true;
   thread_.join();
-  close(listener_);
 }
 
 void PacedLine::work() {
   while (!over_) {
-    pollfd waiting{listener_, POLLIN, 0};
+    pollfd waiting{door_.fd(), POLLIN, 0};
     if (poll(&waiting, 1, 50) <= 0) continue;
-    const int accepted = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (accepted < 0) continue;
-    const int yes = 1;
-    setsockopt(accepted, IPPROTO_TCP, TCP_NODELAY, &yes, sizeof yes);
-    live::Port client{accepted, "client"};
+    std::optional<live::Port> client = door_.caller();
+    if (!client) continue;
     try {
       live::Port controller =
           live::Port::tcp("127.0.0.1", controller_port_, live::Clock::now() + 1s);
       connected_ = true;
-      carry(client, controller);
+      carry(*client, controller);
       connected_ = false;
     } catch (const std::runtime_error&) {
       // Nobody is there: the client is hung up on.
@@ -124,8 +98,7 @@ void PacedLine::carry(live::Port& client, live::Port& controller) {
     const double elapsed = std::chrono::duration<double>(now - last).count();
     last = now;
     if (!cut_ && (!there.carry(elapsed) || !back.carry(elapsed))) return;
-    if (const int second = accept4(listener_, nullptr, nullptr, SOCK_CLOEXEC); second >= 0)
-      close(second);
+    (void)door_.caller();  // a second one is hung up on
   }
 }
 

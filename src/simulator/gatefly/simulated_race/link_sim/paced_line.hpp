@@ -9,10 +9,7 @@
 #include "gatefly/link/bytes.hpp"
 #include "gatefly/link/msp.hpp"
 #include "gatefly/live/clock.hpp"
-
-namespace gatefly::live {
-class Port;
-}
+#include "gatefly/simulated_race/link_sim/tcp_door.hpp"
 
 namespace gatefly::link_sim {
 
@@ -53,7 +50,8 @@ class PacedLine {
   void work();
   void carry(live::Port& client, live::Port& controller);
 
-  int listener_ = -1, controller_port_, baud_;
+  TcpDoor door_;
+  int controller_port_, baud_;
   std::atomic<bool> over_ = false, connected_ = false, cut_ = false;
   StickGaps stick_gaps_;
   std::thread thread_;
