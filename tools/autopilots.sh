@@ -136,7 +136,7 @@ build_betaflight() {
 }
 
 mkdir -p "$folder"
-clones="${2:+$(readlink -f "$2")}"
+clones="${2:+$(readlink -m "$2")}"
 case "$kind" in
   arducopter)
     [[ -x "$folder/arducopter" ]] || build_arducopter

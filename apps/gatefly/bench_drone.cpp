@@ -235,8 +235,9 @@ void declare_bench_drone(Command& command) {
       "each; 2: unusable arguments,\n"
       "or nobody answers.");
   command
-      .option("--link", options->link,
-              "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, or mavlink: as of run")
+      .option(
+          "--link", options->link,
+          "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, betaflight-sitl:, or mavlink: as of run")
       .required()
       .type_name("URI");
   command.flag("--propellers-off", options->propellers_off,
@@ -262,7 +263,7 @@ void declare_bench_drone(Command& command) {
               "throttle stick at which it hovers [µs]; no controller knows it")
       .excludes(hand_over)
       .between(1000, 2000);
-  command.option("--exponent", options->told.exponent, "of thrust over throttle: 1 to 2")
+  command.option("--exponent", options->told.exponent, "of thrust over throttle: 0.8 to 3")
       .excludes(hand_over)
       .between(0.8, 3.0);
   command.option("--least-v", options->told.least_v, "battery at which a flight ends [V]")

@@ -180,7 +180,7 @@ void declare_link_sim(Command& command) {
       "  gatefly link-sim oval --vehicle archer-b2 --config betaflight --seed 7\n"
       "with ArduCopter's (arducopter --model json:127.0.0.1 --serial0 tcp:5760):\n"
       "  gatefly link-sim oval --vehicle archer-b2 --config arducopter --autopilot arducopter\n"
-      "with PX4's (PX4_SIM_MODEL=none_iris px4 -d etc):\n"
+      "with PX4's, set up as docs/real_drone.md says:\n"
       "  gatefly link-sim oval --vehicle archer-b2 --config arducopter --autopilot px4\n"
       "or as a simulator of TS-002, the AI Grand Prix's virtual qualifier, without any other "
       "program:\n"

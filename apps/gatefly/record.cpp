@@ -214,7 +214,9 @@ void declare_record(Command& command) {
               "v4l2:/dev/videoN, gst:PIPELINE, udp-jpeg:PORT, or file:DIR, a recorded flight")
       .required()
       .type_name("URI");
-  command.option("--link", options->link, "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, mavlink:…")
+  command
+      .option("--link", options->link,
+              "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT, betaflight-sitl:, mavlink:…")
       .required()
       .type_name("URI");
   command.option("--drone", options->drone, "drone.toml: every constant of the drone")

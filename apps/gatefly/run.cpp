@@ -277,9 +277,10 @@ void expect_to_fly(const live::DroneFile& drone, const PilotConfig& pilot) {
         "control.output must be \"rates_thrust\" to fly a drone (--config betaflight, or "
         "arducopter)");
   if (!drone.hand_over_tested(live::program_mark()))
-    throw std::runtime_error(drone.path.string() + ": " +
-                             std::string{guard::text_of(guard::Reason::kNotTested)} +
-                             "; bench-drone --hand-over does it, --shadow looks on without");
+    throw std::runtime_error(
+        drone.path.string() + ": " + std::string{guard::text_of(guard::Reason::kNotTested)} +
+        (drone.px4 ? "; there is none for a PX4 yet" : "; bench-drone --hand-over does it") +
+        ", --shadow looks on without");
 }
 
 /// Meets the drone; one that sends by itself is asked for samples as often as the pilot's filter expects them.

@@ -133,7 +133,7 @@ class OverMavlink(HandOver):
         code, out = self.walked()
         self.assertEqual(code, 0, out + "\n".join(self.asked))
         self.assertNotIn("WRONG", out)
-        for line in ("acknowledged, pictures come", "roll, pitch, yaw and throttle as sent", "another mode within", "camera out: it brakes", "program killed (-9): the second process sends after",
+        for line in ("acknowledged, pictures come", "roll, pitch, yaw and throttle as sent", "another mode, and it stays", "camera out: it brakes", "program killed (-9): the second process sends after",
                      "lets go of the last set point after", "from one to the next", "the hand-over test has passed"):
             self.assertIn(line, out)
         self.assert_left_alone()
@@ -153,6 +153,13 @@ class OverMavlink(HandOver):
 
     def test_a_set_point_that_is_held_for_ever(self):
         self.wrong("holds on", line="the controller holds the last set point for longer than 2000 ms")
+
+    def test_a_switch_that_is_moved_is_no_letting_go(self):
+        """Both processes are killed the fourth time that it has been handed over."""
+        def moves(word, count):
+            if word == "override on" and count == 4:
+                threading.Timer(1.2, lambda: self.fake("override off")).start()
+        self.wrong("holds on", line="taken back too early", before=moves)
 
     def test_a_mode_that_does_not_change(self):
         self.wrong(line="for 4 s the controller has not seen this at the radio: switch the override off", before=lambda word, count: word == "override off")

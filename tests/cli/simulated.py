@@ -3,6 +3,7 @@
 controller is a fake that behaves like Betaflight 4.4.3 (tests/support/fake_betaflight_sitl.cpp), or Betaflight's own simulator target, set up as
 tests/live/betaflight_4_5.txt says; or ArduCopter's or PX4's; or none, where link-sim speaks TS-002 itself.
 """
+import contextlib
 import json
 import os
 import pathlib
@@ -188,8 +189,9 @@ class Px4(Simulated):
         process = super().world(*words, **more)
         # Level and still, as whoever owns it would; one that has just started may not hear of it.
         for _ in range(10):
-            subprocess.run([self.build / "bin" / "px4-commander", "calibrate", "accel", "quick"], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
-                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=20, check=False)
+            with contextlib.suppress(subprocess.TimeoutExpired):
+                subprocess.run([self.build / "bin" / "px4-commander", "calibrate", "accel", "quick"], cwd=self.folder, env=self.environment, stdin=subprocess.DEVNULL,
+                               stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, timeout=20, check=False)
             time.sleep(3)
             if "offset:" in (self.folder / "px4.txt").read_text(encoding="utf-8", errors="replace"):
                 break
@@ -211,7 +213,8 @@ class Px4(Simulated):
 
     def end(self):
         # Its startup script is a program of its own, which would go on and talk to the next one.
-        os.killpg(self.controller.pid, signal.SIGKILL)
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self.controller.pid, signal.SIGKILL)
         super().end()
 
 

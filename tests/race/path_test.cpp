@@ -72,17 +72,20 @@ TEST(Path, NearestFindsThePointOneStandsBeside) {
 }
 
 TEST(Path, NothingInTheWindowIsNearerThanTheNearest) {
-  const Path path = hook();
-  for_all(300, [&](Rng& rng) {
-    const double from = rng.uniform(-1, path.length()), to = from + rng.uniform(0, 2.5);
-    const Vector2d position = path.at(rng.uniform(from, to)).position +
-                              Vector2d{rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4)};
-    const double found = path.nearest(position, from, to);
-    EXPECT_GE(found, from);
-    EXPECT_LE(found, to);
-    const auto distance = [&](double s) { return (path.at(s).position - position).norm(); };
-    for (double s = from; s <= to; s += 0.003) EXPECT_GE(distance(s), distance(found) - 1e-9) << s;
-  });
+  Path nearly_a_circle;
+  (void)nearly_a_circle.segments.push_back({.curvature = -0.8, .length = 1.8 * kPi / 0.8});
+  for (const Path& path : {hook(), nearly_a_circle})
+    for_all(300, [&](Rng& rng) {
+      const double from = rng.uniform(-1, path.length()), to = from + rng.uniform(0, 2.5);
+      const Vector2d position = path.at(rng.uniform(from, to)).position +
+                                Vector2d{rng.uniform(-0.4, 0.4), rng.uniform(-0.4, 0.4)};
+      const double found = path.nearest(position, from, to);
+      EXPECT_GE(found, from);
+      EXPECT_LE(found, to);
+      const auto distance = [&](double s) { return (path.at(s).position - position).norm(); };
+      for (double s = from; s <= to; s += 0.003)
+        EXPECT_GE(distance(s), distance(found) - 1e-9) << s;
+    });
 }
 
 TEST(Path, NearestStaysInItsWindow) {

@@ -54,8 +54,8 @@ struct AutopilotFacts {
   }
 };
 
-/// Silent for longer, nobody of ours is left to speak: the second process takes 62 ms. An autopilot has to let go of the last set point by
-/// then [s].
+/// Longest time for which an autopilot may go on with our last set point [s]. Our second process takes over within 62 ms, so a second of
+/// silence means that both are gone.
 inline constexpr float kLongestHold = 1.0f;
 
 }  // namespace gatefly::guard

@@ -16,9 +16,9 @@ Segment straight_from(const Eigen::Vector2d& start, double heading) {
   return {.start = start, .heading = heading};
 }
 
-/// Metres along a segment, or what it would be if it went on, to where `position` is abeam; of a circle the nearer one as seen from
-/// the segment's middle.
-double nearest_on(const Segment& segment, const Eigen::Vector2d& position) {
+/// Metres along a segment, or what it would be if it went on, to where `position` is abeam; of a circle the place within half a turn
+/// of `middle`.
+double nearest_on(const Segment& segment, const Eigen::Vector2d& position, double middle) {
   const auto [sine, cosine] = sincos(segment.heading);
   const Eigen::Vector2d from_start = position - segment.start;
   if (segment.curvature == 0.0) return from_start.dot(Eigen::Vector2d{cosine, sine});
@@ -26,7 +26,6 @@ double nearest_on(const Segment& segment, const Eigen::Vector2d& position) {
       from_start - Eigen::Vector2d{-sine, cosine} / segment.curvature;
   const double heading =
       atan2(segment.curvature * from_center.x(), -segment.curvature * from_center.y());
-  const double middle = 0.5 * segment.length;
   return middle +
          wrap_angle(heading - segment.heading - segment.curvature * middle) / segment.curvature;
 }
@@ -71,7 +70,7 @@ double Path::nearest(const Eigen::Vector2d& position, double from, double to) co
   const auto look_at = [&](const Segment& segment, double low, double high) {
     low = std::max(low, from - begins), high = std::min(high, to - begins);
     if (low > high) return;
-    const double s = std::clamp(nearest_on(segment, position), low, high);
+    const double s = std::clamp(nearest_on(segment, position, 0.5 * (low + high)), low, high);
     const double distance2 = (point_on(segment, s).position - position).squaredNorm();
     if (distance2 < least) best = begins + s, least = distance2;
   };

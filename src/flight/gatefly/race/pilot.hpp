@@ -60,7 +60,7 @@ class Pilot {
 
   MapUncertainty map_uncertainty_;
   Navigator navigator_;
-  NavigationState now_;  ///< The navigator's, as it is now.
+  NavigationState now_;  ///< The navigator's, renewed after all that changes it.
   std::unique_ptr<Parts> parts_;
   PhaseParams phase_params_;
   RotorThrust thrust_;

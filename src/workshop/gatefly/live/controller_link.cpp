@@ -49,32 +49,30 @@ Acquaintance met_betaflight(Port& port, const DroneFile& drone, bool only_listen
   return {.boxes = *said.facts.boxes};
 }
 
-/// The same of an ArduCopter.
-Acquaintance met_ardu(Port& port, const DroneFile& drone, bool only_listens) {
-  const ArduIntroduction said = ardu_introduction_of(port, drone.ardu->system);
+/// The same of an ArduCopter or a PX4. @param its_mode  in which it takes set points. @param is_in  whether its custom_mode is that one.
+template <class Introduction, class IsIn>
+Acquaintance met_autopilot(const Introduction& said, const DroneFile& drone, bool only_listens,
+                           const char* its_mode, IsIn&& is_in) {
   if (said.other_client) not_alone();
-  for (const guard::ArduComplaint complaint : guard::complaints_about(said.facts))
-    if (!only_listens || complaint != guard::ArduComplaint::kArmed)
+  for (const auto complaint : guard::complaints_about(said.facts))
+    if (!only_listens || complaint != decltype(complaint)::kArmed)
       refuse(guard::text_of(complaint));
   if (const auto others = differences(drone, said.facts); !others.empty())
     not_the_drone(drone, others);
-  if (!only_listens && said.facts.heartbeat->custom_mode == mavlink::kGuidedNoGps)
-    refuse("the mode is GUIDED_NOGPS: choose another before the program starts");
+  if (!only_listens && is_in(said.facts.heartbeat->custom_mode))
+    refuse(std::string{"the mode is "} + its_mode + ": choose another before the program starts");
   return {};
 }
 
-/// The same of a PX4.
+Acquaintance met_ardu(Port& port, const DroneFile& drone, bool only_listens) {
+  return met_autopilot(ardu_introduction_of(port, drone.system()), drone, only_listens,
+                       "GUIDED_NOGPS",
+                       [](std::uint32_t mode) { return mode == mavlink::kGuidedNoGps; });
+}
+
 Acquaintance met_px4(Port& port, const DroneFile& drone, bool only_listens) {
-  const Px4Introduction said = px4_introduction_of(port, drone.system());
-  if (said.other_client) not_alone();
-  for (const guard::Px4Complaint complaint : guard::complaints_about(said.facts))
-    if (!only_listens || complaint != guard::Px4Complaint::kArmed)
-      refuse(guard::text_of(complaint));
-  if (const auto others = differences(drone, said.facts); !others.empty())
-    not_the_drone(drone, others);
-  if (!only_listens && mavlink::is_offboard(said.facts.heartbeat->custom_mode))
-    refuse("the mode is OFFBOARD: choose another before the program starts");
-  return {};
+  return met_autopilot(px4_introduction_of(port, drone.system()), drone, only_listens, "OFFBOARD",
+                       mavlink::is_offboard);
 }
 
 /// The same of a simulator that speaks TS-002.

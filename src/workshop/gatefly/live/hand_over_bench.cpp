@@ -20,11 +20,12 @@ constexpr nanoseconds kTakenBack = 500ms;  ///< Then the channels must be the ra
 constexpr nanoseconds kLongestGap =
     Keeper::kSilence + kStickPeriod;    ///< Between two stick frames, whoever sends them.
 constexpr nanoseconds kAlone = 1500ms;  ///< So long the channels are watched when nobody sends.
-constexpr nanoseconds kLetsGo = 2s;     ///< Of a set point: GUID_TIMEOUT = 1, and to be told of it.
-constexpr nanoseconds kSpinsUp = 3s;
-constexpr int kRadioWithin = 20;  ///< A radio at rest is not quite still [µs].
-constexpr int kBrakes = 15;       ///< Pitch that braking has, at least [µs].
-constexpr int kCentred = 40;      ///< Its sticks, from the middle [µs].
+/// Longest until it lets go of the last set point: GUID_TIMEOUT of 1 s, 0.3 s in which old answers are thrown away, and to be told.
+constexpr nanoseconds kLetsGo = 2s;
+constexpr nanoseconds kSpinsUp = 3s;  ///< Longest after arming until set points are obeyed.
+constexpr int kRadioWithin = 20;      ///< A radio at rest is not quite still [µs].
+constexpr int kBrakes = 15;   ///< Pitch that braking has, at least [µs; over MAVLink mrad/s].
+constexpr int kCentred = 40;  ///< Its sticks, from the middle [µs].
 
 std::string ms(nanoseconds time) { return files::fixed(1e3 * seconds(time), 0) + " ms"; }
 
@@ -196,11 +197,10 @@ bool HandOverWalk::taken_back(const std::string& after, bool program_ends) {
   if (!asked_for(at_radio::kOverrideOff, [this] { return !view_.told().override_on; }))
     return false;
   if (!by_set_points()) return channels_are_back(after, program_ends);
-  const nanoseconds within = view_.told().status_at - view_.told().overridden_at;
   const auto stays = [this] { return !view_.told().override_on; };
   return ends(after, program_ends) &&
          watch(1s, stays, "override off" + after + ": it takes set points again") &&
-         well("override off" + after + ": another mode within " + ms(within) +
+         well("override off" + after + ": another mode, and it stays" +
               (program_ends ? ", and nothing is sent any more" : ""));
 }
 
@@ -316,22 +316,26 @@ bool HandOverWalk::both_killed() {
          taken_back(" after it", true) && disarmed();
 }
 
-/// One that takes set points must let go of the last one in time, by levelling itself or by another mode.
+/// One that takes set points must let go of the last one in time, level itself, and stay so.
 bool HandOverWalk::let_go(const msp::Sticks& last, Moment since) {
   const std::string line = "both processes killed, as with the cable out: ";
-  const auto lets_go = [&] {
-    const Witnessed& told = view_.told();
-    return !told.override_on ||
-           (told.sticks_at > since && !same_sticks(told.sticks, last, ChannelWatch::kWithin));
+  const auto levels = [&] {
+    const msp::Sticks& is = view_.told().sticks;
+    return view_.told().sticks_at > since &&
+           same_sticks(is, {1500, 1500, 1500, is.throttle}, kCentred) &&
+           !same_sticks(is, last, ChannelWatch::kWithin);
   };
-  if (!wait(kLetsGo, lets_go,
+  const auto levels_or_is_taken = [&] { return !view_.told().override_on || levels(); };
+  if (!wait(kLetsGo, levels_or_is_taken,
             line + "the controller holds the last set point for longer than " + ms(kLetsGo)))
     return false;
-  const bool levels = view_.told().override_on;
-  const Moment at = levels ? view_.told().sticks_at : view_.told().status_at;
-  return well(line + "the controller lets go of the last set point after " + ms(at - since) +
-              (levels ? ", and levels: only your switch ends it"
-                      : ", and flies by a mode of its own: your switch takes it back"));
+  const nanoseconds after = view_.told().sticks_at - since;
+  if (!watch(500ms, levels_or_is_taken,
+             line + "it lets go of the last set point, but not for good"))
+    return false;
+  if (!view_.told().override_on) return wrong(line + "taken back too early");
+  return well(line + "the controller lets go of the last set point after " + ms(after) +
+              ", and levels: only your switch ends it");
 }
 
 /// Finds out what the channels do when nobody sends. Either answer is well: the pilot only has to know it.

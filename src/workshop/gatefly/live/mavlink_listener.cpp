@@ -82,7 +82,7 @@ void MavlinkListener::ask_clock(link::ByteWriter& out, nanoseconds now, bool bes
 
 bool MavlinkListener::wanted(Wishes which, nanoseconds now) const {
   const Wish& wish = wishes_[which];
-  // A PX4 says a heartbeat a second, more only one by one.
+  // A PX4 sends one heartbeat a second and refuses another interval: each further one has to be asked for.
   if (which == kBeat && params_.px4) return now - wish.asked >= wish.interval;
   // A PX4's is in counts, whose size nobody tells.
   if (which == kCoarseImu && params_.px4) return false;
@@ -186,7 +186,8 @@ void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
     // A real drone's autopilot is somebody else's to fly.
     is_real_ = is_real_ || autopilot_in(*beat);
     state_.override_on = override_in(*beat);
-    state_.lifted = state_.armed && beat->system_status >= kInAir;
+    // An armed PX4 says the same of itself on the floor: who looks on at it needs --carried.
+    state_.lifted = state_.armed && !params_.px4 && beat->system_status >= kInAir;
     heard_beat_at_ = now;
   } else if (const auto fine = mavlink::message_in<mavlink::HighresImu>(frame)) {
     take_sample(mavlink::imu_of(*fine), fine->time_usec, now);

@@ -89,8 +89,7 @@ LinkUri link_uri(const std::string& text) {
   const std::string forms = link.mavlink
                                 ? "mavlink:serial:/dev/ttyX?baud=921600, mavlink:tcp:HOST:PORT, "
                                   "mavlink:udp:HOST:PORT or mavlink:udpin:ADDRESS:PORT"
-                                : "msp:/dev/ttyX?baud=115200, msp:tcp:HOST:PORT or "
-                                  "betaflight-sitl:PORT, by default 5761";
+                                : "msp:/dev/ttyX?baud=115200 or msp:tcp:HOST:PORT";
   if (!link.mavlink && uri.takes("betaflight-sitl:")) {
     link.place = "127.0.0.1";
     link.port = uri.at_end() ? kBetaflightSitl : uri.number("PORT", uri.rest("port"), 1, kMostPort);
@@ -105,7 +104,7 @@ LinkUri link_uri(const std::string& text) {
     return link;
   }
   if (!link.mavlink && !uri.takes("msp:"))
-    uri.fail("must begin with msp: (" + forms + "), mavlink: or replay:");
+    uri.fail("must begin with msp: (" + forms + "), betaflight-sitl:, mavlink: or replay:");
   uri.take_options();
   if (uri.takes("tcp:"))
     link.kind = LinkUri::Kind::kTcp;
