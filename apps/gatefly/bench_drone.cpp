@@ -14,8 +14,10 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/live/ardu_bench.hpp"
 #include "gatefly/live/bench.hpp"
+#include "gatefly/live/drone_answers.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/hand_over_bench.hpp"
+#include "gatefly/live/hand_over_mark.hpp"
 #include "gatefly/live/uri.hpp"
 
 #include "commands.hpp"
@@ -99,8 +101,7 @@ int hand_over(const BenchDroneOptions& options, const live::LinkUri& link) {
                              "hand-over test for it yet; look on with gatefly run --shadow");
   (void)live::with_hand_over_mark(drone, files::read_file(drone.path),
                                   "");  // that it can be written
-  live::Introduced met = live::introduced(link, drone, false);
-  if (config.pilot.filter_imu_hz > 0.0) met.known.imu_hz = config.pilot.filter_imu_hz;
+  live::Introduced met = live::introduced(link, drone, false, config.pilot.filter_imu_hz);
   // From now on it has not passed, however this ends.
   if (!drone.tested.empty()) set_mark(drone, "");
   catch_interrupt();
@@ -132,7 +133,7 @@ std::string next_step(const std::string& drone) {
          " --propellers-off --link URI --camera URI";
 }
 
-/// The same of an ArduCopter or a PX4. `answers` are what it says of itself, `read` makes its drone of them.
+/// The same of an ArduCopter or a PX4 with those answers, of which `read` makes its drone.
 template <class Introduction, class Read>
 int bench_mavlink(const BenchDroneOptions& options, live::Port port, const Introduction& answers,
                   Read&& read) {

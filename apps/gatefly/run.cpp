@@ -20,6 +20,7 @@
 #include "gatefly/live/camera.hpp"
 #include "gatefly/live/drone_file.hpp"
 #include "gatefly/live/flight_deck.hpp"
+#include "gatefly/live/hand_over_mark.hpp"
 #include "gatefly/live/keeper.hpp"
 #include "gatefly/live/linked.hpp"
 #include "gatefly/live/run_recorder.hpp"
@@ -276,19 +277,11 @@ void expect_to_fly(const live::DroneFile& drone, const PilotConfig& pilot) {
     throw std::runtime_error(
         "control.output must be \"rates_thrust\" to fly a drone (--config betaflight, or "
         "arducopter)");
-  if (!drone.hand_over_tested(live::program_mark()))
+  if (!live::hand_over_tested(drone, live::program_mark()))
     throw std::runtime_error(
         drone.path.string() + ": " + std::string{guard::text_of(guard::Reason::kNotTested)} +
         (drone.px4 ? "; there is none for a PX4 yet" : "; bench-drone --hand-over does it") +
         ", --shadow looks on without");
-}
-
-/// Meets the drone; one that sends by itself is asked for samples as often as the pilot's filter expects them.
-live::Introduced introduced(const live::LinkUri& uri, const live::DroneFile& drone,
-                            const Course& course, bool only_listens) {
-  live::Introduced met = live::introduced(uri, drone, only_listens);
-  if (course.pilot.filter_imu_hz > 0.0) met.known.imu_hz = course.pilot.filter_imu_hz;
-  return met;
 }
 
 /// The pilot's plan, before anything is opened.
@@ -334,7 +327,7 @@ int run(const RunOptions& options) {
       live::play(recording->ticks, recording->folder, pace, wires, clock);
     };
   } else if (options.shadow) {
-    live::Introduced met = introduced(link, *drone, course, true);
+    live::Introduced met = live::introduced(link, *drone, true, course.pilot.filter_imu_hz);
     const auto queries = std::make_shared<live::LinkQueries>(
         live::queries_on(std::move(met.port), *drone, met.known));
     work = [queries](live::Wires& wires, const live::RunClock& clock) {
@@ -343,8 +336,8 @@ int run(const RunOptions& options) {
   } else {
     const live::FlightDeck::Params deck = deck_params(options, course, *drone);
     // Its second process before anything else is open: that would be open there, too.
-    const auto flying =
-        std::make_shared<Flying>(introduced(link, *drone, course, false), *drone, deck);
+    const auto flying = std::make_shared<Flying>(
+        live::introduced(link, *drone, false, course.pilot.filter_imu_hz), *drone, deck);
     work = [flying](live::Wires& wires, const live::RunClock& clock) {
       live::fly(flying->link, flying->deck, flying->keeper, wires, clock, interrupted);
     };

@@ -10,7 +10,7 @@ import tempfile
 import unittest
 
 from program import GATEFLY, ROOT, main
-from simulated import ArduCopter, ended, flown_and_landed
+from simulated import ArduCopter, flies_a_lap
 
 ARDUCOPTER = os.environ.get("GATEFLY_ARDUCOPTER", "")
 
@@ -25,11 +25,7 @@ class RealArduCopter(unittest.TestCase):
         file, said = drone.benched(7)
         for line in ("roll, pitch, yaw and throttle as sent", "the controller lets go of the last set point after", "the hand-over test has passed"):
             self.assertIn(line, said)
-        world = drone.world("--laps", "1", "--seed", "1001", "--json", "--time-limit", "60")
-        self.addCleanup(ended, world)
-        pilot = drone.run("--laps", "1", "--drone", file, "--json")
-        self.addCleanup(ended, pilot)
-        flown_and_landed(self, world, pilot)
+        flies_a_lap(self, drone, file)
 
 
 if __name__ == "__main__":

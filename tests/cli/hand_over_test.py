@@ -74,6 +74,15 @@ class HandOver(Handed):
         state = self.fake.rows("state")[-1]
         self.assertEqual((state["armed"], state["override"]), ("0", "0"))
 
+    def assert_run_streams(self):
+        """run takes the drone with the mark in its file."""
+        process = self.start(drone=self.drone)
+        frames = len(self.fake.rows("frame"))
+        self.until(lambda: process.poll() is not None or len(self.fake.rows("frame")) > frames + 10)
+        self.assertIsNone(process.poll())
+        process.terminate()
+        process.communicate(timeout=10)
+
     def wrong(self, *faults, line, before=lambda what, count: None):
         """It has not passed: its line is the last finding, there is no mark, and the drone is nobody's."""
         self.drone.write_text(self.signed(self.OF_DRONE.read_text(encoding="utf-8")).read_text(encoding="utf-8"), encoding="utf-8")
@@ -100,12 +109,7 @@ class Passed(HandOver):
         after = self.drone.read_text(encoding="utf-8")
         self.assertTrue(after.startswith(before.rstrip("\n")), "the rest of the file is another one")
         # A valid mark: run streams. Once a constant has changed, it does not.
-        process = self.start(drone=self.drone)
-        frames = len(self.fake.rows("frame"))
-        self.until(lambda: process.poll() is not None or len(self.fake.rows("frame")) > frames + 10)
-        self.assertIsNone(process.poll())
-        process.terminate()
-        process.communicate(timeout=10)
+        self.assert_run_streams()
         self.drone.write_text(after.replace("hover_stick_us = 1425", "hover_stick_us = 1426"), encoding="utf-8")
         self.assertIn("missing or out of date", self.refused(*self.words(drone=self.drone), **self.environment))
 
@@ -138,12 +142,7 @@ class OverMavlink(HandOver):
             self.assertIn(line, out)
         self.assert_left_alone()
         self.assertTrue(self.drone.read_text(encoding="utf-8").startswith(before.rstrip("\n")), "the rest of the file is another one")
-        process = self.start(drone=self.drone)
-        frames = len(self.fake.rows("frame"))
-        self.until(lambda: process.poll() is not None or len(self.fake.rows("frame")) > frames + 10)
-        self.assertIsNone(process.poll())
-        process.terminate()
-        process.communicate(timeout=10)
+        self.assert_run_streams()
 
     def test_set_points_that_are_not_obeyed(self):
         self.wrong("deaf", line="override on: roll and pitch and yaw and throttle not as sent")

@@ -11,7 +11,7 @@ import unittest
 
 from drone import FAKE
 from program import GATEFLY, ROOT, main
-from simulated import Px4, ended, flown_and_landed
+from simulated import Px4, flies_a_lap
 
 PX4 = os.environ.get("GATEFLY_PX4", "")
 
@@ -24,11 +24,7 @@ class RealPx4(unittest.TestCase):
         drone = Px4(GATEFLY, ROOT, folder.name, PX4, FAKE, camera="grandprix")
         self.addCleanup(drone.end)
         file, _ = drone.benched(1001)
-        world = drone.world("--laps", "1", "--seed", "1001", "--json", "--time-limit", "60")
-        self.addCleanup(ended, world)
-        pilot = drone.run("--laps", "1", "--drone", file, "--json")
-        self.addCleanup(ended, pilot)
-        flown_and_landed(self, world, pilot)
+        flies_a_lap(self, drone, file)
 
 
 if __name__ == "__main__":

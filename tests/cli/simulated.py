@@ -54,6 +54,15 @@ def flown_and_landed(test, world, pilot):
     return outcome, flown
 
 
+def flies_a_lap(test, drone, file):
+    """link-sim around the drone, and run, which flies it by that drone.toml: a lap of the oval, down to the floor."""
+    world = drone.world("--laps", "1", "--seed", "1001", "--json", "--time-limit", "60")
+    test.addCleanup(ended, world)
+    pilot = drone.run("--laps", "1", "--drone", file, "--json")
+    test.addCleanup(ended, pilot)
+    flown_and_landed(test, world, pilot)
+
+
 class Simulated:
     """A controller, and the ports of everything around it.
 

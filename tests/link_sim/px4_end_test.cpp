@@ -79,7 +79,7 @@ class Px4Lines : public testing::Test {
         station_{Port::udp("127.0.0.1", params_.station, "127.0.0.1")},
         program_{Port::udp("127.0.0.1", params_.port, "127.0.0.1")} {}
 
-  /// What the program says goes to whoever has called it from now on.
+  /// The program's words go to whoever has called it, from now on.
   Port answering() {
     sockaddr_in from{};
     socklen_t size = sizeof from;
@@ -116,7 +116,7 @@ class Px4Lines : public testing::Test {
         {1, 1, 0});
     steps(20);
   }
-  /// What the ground station commands.
+  /// Commands of the ground station.
   std::vector<std::string> commands() {
     std::vector<std::string> all;
     for (const auto& command : heard<mavlink::CommandLong>(station_))

@@ -13,11 +13,14 @@
 #include "gatefly/live/ardu_bench.hpp"
 #include "gatefly/live/ardu_introduction.hpp"
 #include "gatefly/live/controller_link.hpp"
+#include "gatefly/live/drone_answers.hpp"
 #include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/hand_over_mark.hpp"
 #include "gatefly/live/mavlink_speaker.hpp"
 #include "gatefly/live/peer_clock.hpp"
 #include "gatefly/live/wires.hpp"
 
+#include "support/drone_file_keys.hpp"
 #include "support/fake_arducopter.hpp"
 #include "support/real_data.hpp"
 #include "support/temp_folder.hpp"
@@ -402,20 +405,7 @@ TEST(LinkUri, TheWaysToAnArduCopter) {
   EXPECT_THAT(error_of([] { (void)link_uri("mavlink:tcp:a:1?system=0"); }), HasSubstr("1..254"));
 }
 
-TEST(ArduFile, EveryKeyMustBeThereAndNoOtherMay) {
-  const std::string text = ardu_text();
-  const test::TempFolder folder;
-  for (std::size_t at = 0; (at = text.find(" = ", at)) != std::string::npos; ++at) {
-    const auto begin = text.rfind('\n', at) + 1, end = text.find('\n', at);
-    std::string less = text;
-    less.replace(begin, end - begin, "");
-    const auto file = folder.file("drone.toml", less);
-    EXPECT_THAT(error_of([&] { (void)read_drone(file); }),
-                HasSubstr(text.substr(begin, at - begin)));
-  }
-  const auto more = folder.file("more.toml", text + "\n[rates]\ntype = \"actual\"\n");
-  EXPECT_THAT(error_of([&] { (void)read_drone(more); }), HasSubstr("rates"));
-}
+TEST(ArduFile, EveryKeyMustBeThereAndNoOtherMay) { test::expect_every_key_is_needed(ardu_text()); }
 
 TEST(ArduFile, AnotherConstantIsAnotherHandOverTest) {
   const DroneFile drone = ardu_drone();

@@ -9,6 +9,7 @@
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/geometry/math.hpp"
+#include "gatefly/live/hand_over_mark.hpp"
 
 #include "support/real_data.hpp"
 #include "support/temp_folder.hpp"
@@ -51,6 +52,7 @@ TEST(DroneFile, EveryKeyMustBeThere) {
 }
 
 TEST(DroneFile, WhatNobodyKnowsIsRefused) {
+  EXPECT_THAT(complaint("\"BTFL\"", "\"INAV\""), HasSubstr("controller.firmware"));
   EXPECT_THAT(complaint("[battery]", "[battery]\ncells = 6"), HasSubstr("battery.cells"));
   EXPECT_THAT(complaint("[battery]", "[wings]\n[battery]"), HasSubstr("wings"));
   EXPECT_THAT(complaint("\"actual\"", "\"kiss\""),
@@ -83,12 +85,12 @@ TEST(DroneFile, RatesAreTurnedIntoSticksByTheCurveNotByALine) {
 
 TEST(HandOverTest, IsBoundToEveryConstantAndToTheProgram) {
   DroneFile d = drone();
-  EXPECT_FALSE(d.hand_over_tested("1.0"));
+  EXPECT_FALSE(hand_over_tested(d, "1.0"));
   d.tested = hand_over_mark(d, "1.0");
-  EXPECT_TRUE(d.hand_over_tested("1.0"));
-  EXPECT_FALSE(d.hand_over_tested("1.1"));
+  EXPECT_TRUE(hand_over_tested(d, "1.0"));
+  EXPECT_FALSE(hand_over_tested(d, "1.1"));
   d.tuning.super_rate[2] += 1;
-  EXPECT_FALSE(d.hand_over_tested("1.0"));
+  EXPECT_FALSE(hand_over_tested(d, "1.0"));
 }
 
 TEST(HandOverMark, IsPutInReplacedAndTakenOutAgainAndTheRestStays) {

@@ -12,6 +12,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/live/arrival_clock.hpp"
 #include "gatefly/live/controller_link.hpp"
+#include "gatefly/live/drone_answers.hpp"
 #include "gatefly/live/msp_introduction.hpp"
 #include "gatefly/live/msp_speaker.hpp"
 #include "gatefly/live/stream_watch.hpp"

@@ -12,6 +12,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/link/mavlink_telemetry.hpp"
 #include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/hand_over_mark.hpp"
 #include "gatefly/live/mavlink_speaker.hpp"
 #include "gatefly/live/ts002_introduction.hpp"
 
@@ -151,7 +152,7 @@ TEST(Ts002Speaker, WhatHoversIsWhatTheFileSays) {
 }
 
 TEST(Ts002File, NobodyHandsItOverAndNothingElseIsInIt) {
-  EXPECT_TRUE(ts002_drone().hand_over_tested("any program"));
+  EXPECT_TRUE(hand_over_tested(ts002_drone(), "any program"));
   const std::string text =
       files::read_file(support::source_folder() / "tests" / "live" / "ts002.toml");
   const test::TempFolder folder;

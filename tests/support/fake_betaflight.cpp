@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gatefly/live/drone_file.hpp"
+#include "gatefly/live/hand_over_mark.hpp"
 
 namespace {
 

@@ -4,7 +4,6 @@
 namespace gatefly::guard {
 namespace {
 
-constexpr std::uint8_t kArduPilot = 3;
 constexpr int kThrustAsThrust = 8;
 
 void add_parameters(const ArduFacts& facts, ArduComplaints& complaints) {
@@ -24,7 +23,7 @@ void add_parameters(const ArduFacts& facts, ArduComplaints& complaints) {
 
 ArduComplaints complaints_about(const ArduFacts& facts) {
   ArduComplaints complaints;
-  if (!facts.heartbeat || facts.heartbeat->autopilot != kArduPilot) {
+  if (!facts.heartbeat || facts.heartbeat->autopilot != mavlink::Heartbeat::kArduPilot) {
     complaints.push_back(ArduComplaint::kNotArduPilot);
     return complaints;
   }

@@ -28,10 +28,7 @@ struct AutopilotFacts {
                        [](const auto& each) { return each.has_value(); });
   }
   /// One that does not say counts as armed.
-  [[nodiscard]] bool armed() const {
-    constexpr std::uint8_t kArmed = 128;
-    return !heartbeat || (heartbeat->base_mode & kArmed) != 0;
-  }
+  [[nodiscard]] bool armed() const { return !heartbeat || heartbeat->is_armed(); }
   [[nodiscard]] bool is_multicopter() const {
     /// MAV_TYPE of quadrotor, coaxial, hexarotor, octorotor, tricopter, dodecarotor, decarotor.
     constexpr std::array<std::uint8_t, 7> kMulticopters{2, 3, 13, 14, 15, 29, 35};

@@ -4,9 +4,8 @@
 namespace gatefly::guard {
 namespace {
 
-constexpr std::uint8_t kPx4 = 12;
-constexpr float kLands = 4.0f;               ///< Of COM_OBL_RC_ACT.
-constexpr int kLearnsAccelerometerBias = 2;  ///< Of EKF2_IMU_CTRL.
+constexpr float kLands = 4.0f;               ///< A value of COM_OBL_RC_ACT.
+constexpr int kLearnsAccelerometerBias = 2;  ///< A bit of EKF2_IMU_CTRL.
 
 void add_parameters(const Px4Facts& facts, Px4Complaints& complaints) {
   if (!facts.has_all_parameters()) {
@@ -27,7 +26,7 @@ void add_parameters(const Px4Facts& facts, Px4Complaints& complaints) {
 
 Px4Complaints complaints_about(const Px4Facts& facts) {
   Px4Complaints complaints;
-  if (!facts.heartbeat || facts.heartbeat->autopilot != kPx4) {
+  if (!facts.heartbeat || facts.heartbeat->autopilot != mavlink::Heartbeat::kPx4) {
     complaints.push_back(Px4Complaint::kNotPx4);
     return complaints;
   }

@@ -16,6 +16,8 @@ namespace gatefly::mavlink {
 struct Heartbeat {
   static constexpr std::uint32_t kId = 0;
   static constexpr std::string_view kName = "HEARTBEAT";
+  static constexpr std::uint8_t kArduPilot = 3, kPx4 = 12;  ///< Values of `autopilot`.
+  static constexpr std::uint8_t kArmedBit = 128;            ///< A bit of `base_mode`.
   std::uint32_t custom_mode = 0;
   std::uint8_t type = 0, autopilot = 0, base_mode = 0, system_status = 0, mavlink_version = 0;
   template <class Self, class Visit>
@@ -27,6 +29,7 @@ struct Heartbeat {
     visit("system_status", m.system_status, "3 standby, 4 active, 5 critical, 6 emergency");
     visit("mavlink_version", m.mavlink_version, "3");
   }
+  [[nodiscard]] constexpr bool is_armed() const { return (base_mode & kArmedBit) != 0; }
 };
 
 struct SysStatus {

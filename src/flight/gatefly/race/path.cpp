@@ -66,7 +66,7 @@ PathPoint Path::at(double s) const {
 
 double Path::nearest(const Eigen::Vector2d& position, double from, double to) const {
   double best = from, least = std::numeric_limits<double>::infinity(), begins = 0.0;
-  // Of a segment that begins there, the part that is in [from, to].
+  // Compares the part of a segment, which begins `begins` metres along, that lies within [from, to].
   const auto look_at = [&](const Segment& segment, double low, double high) {
     low = std::max(low, from - begins), high = std::min(high, to - begins);
     if (low > high) return;

@@ -9,6 +9,7 @@
 #include "gatefly/geometry/math.hpp"
 #include "gatefly/geometry/seconds.hpp"
 #include "gatefly/guard/axis_check.hpp"
+#include "gatefly/live/drone_answers.hpp"
 #include "gatefly/live/flight_deck.hpp"
 
 namespace gatefly::live {
@@ -33,7 +34,7 @@ void each_sample(LinkQueries& link, std::chrono::milliseconds limit, Take&& take
 
 Finding gone(const LinkQueries& link) { return {false, link.name() + ": the connection is gone"}; }
 
-/// What keeps an autopilot from being flown; nothing: `well`.
+/// All that keeps an autopilot from being flown; if nothing does, `well`.
 template <class Introduction, class Well>
 Findings of_answers(const Introduction& said, Well&& well) {
   Findings found;
@@ -58,7 +59,7 @@ class DroneText {
   void number(const std::string& key, double value) {
     text_ += key + " = " + files::text_of(value) + "\n";
   }
-  /// What was told and not read, and all.
+  /// Adds what was told and not read. @return the whole file.
   [[nodiscard]] std::string end(const Told& told) {
     number("exponent", told.exponent);
     table("battery");

@@ -11,6 +11,7 @@
 #include "gatefly/files/text.hpp"
 #include "gatefly/guard/hand_over.hpp"
 #include "gatefly/live/ardu_introduction.hpp"
+#include "gatefly/live/drone_answers.hpp"
 #include "gatefly/live/mavlink_speaker.hpp"
 #include "gatefly/live/msp_introduction.hpp"
 #include "gatefly/live/msp_speaker.hpp"
@@ -102,7 +103,8 @@ Port opened(const LinkUri& uri) {
   }
 }
 
-Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens) {
+Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens,
+                      double imu_hz) {
   if (uri.mavlink != drone.by_mavlink())
     throw std::runtime_error(drone.path.string() + ": is a drone for --link " +
                              (drone.by_mavlink() ? "mavlink:" : "msp:"));
@@ -114,10 +116,11 @@ Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_list
     return text.starts_with(port.name()) ? text : port.name() + ": " + text;
   };
   try {
-    const Acquaintance known = drone.ardu    ? met_ardu(port, drone, only_listens)
-                               : drone.px4   ? met_px4(port, drone, only_listens)
-                               : drone.ts002 ? met_ts002(port, drone, only_listens)
-                                             : met_betaflight(port, drone, only_listens);
+    Acquaintance known = drone.ardu    ? met_ardu(port, drone, only_listens)
+                         : drone.px4   ? met_px4(port, drone, only_listens)
+                         : drone.ts002 ? met_ts002(port, drone, only_listens)
+                                       : met_betaflight(port, drone, only_listens);
+    if (imu_hz > 0.0) known.imu_hz = imu_hz;
     return {std::move(port), known};
   } catch (const AnotherDrone& error) {
     throw AnotherDrone(named(error.what()));

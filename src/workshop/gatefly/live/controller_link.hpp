@@ -10,6 +10,7 @@
 
 #include <sys/types.h>
 
+#include "gatefly/link/msp_lists.hpp"
 #include "gatefly/live/clock.hpp"
 #include "gatefly/live/dialect.hpp"
 #include "gatefly/live/drone_file.hpp"
@@ -89,9 +90,11 @@ class AnotherDrone : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 /// @param only_listens  one who never flies may come in flight.
+/// @param imu_hz  as often as the pilot's filter expects samples, of a drone that sends them by itself; 0: 50.
 /// @throws AnotherDrone one line: another drone or another client; another std::runtime_error: nobody is there, a complaint; armed or
 ///     overridden.
-[[nodiscard]] Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens);
+[[nodiscard]] Introduced introduced(const LinkUri& uri, const DroneFile& drone, bool only_listens,
+                                    double imu_hz = 0.0);
 
 /// Links to that controller. @param drone  outlives the link.
 [[nodiscard]] LinkQueries queries_on(Port port, const DroneFile& drone, const Acquaintance& known);

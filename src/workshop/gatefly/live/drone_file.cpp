@@ -4,21 +4,17 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <optional>
-#include <sstream>
-#include <stdexcept>
-#include <string_view>
+#include <utility>
+#include <vector>
 
 #include "gatefly/files/text.hpp"
 #include "gatefly/files/toml_file.hpp"
-#include "gatefly/files/xxh64.hpp"
 #include "gatefly/geometry/math.hpp"
 
 namespace gatefly::live {
 namespace {
 
 constexpr int kByte = 255;
-constexpr std::string_view kTestTable = "[hand_over_test]";
 
 /// A table of which every key must be there.
 class Strict {
@@ -71,14 +67,20 @@ void read_ardu(Strict controller, DroneFile& drone) {
   controller.table().refuse_others();
 }
 
-void read_thrust(Strict thrust, DroneFile& drone) {
+/// Part of the thrust that hovers, and the exponent of thrust over what is sent, of one that takes set points. @return the part.
+double read_hover(Strict& thrust, DroneFile& drone) {
+  const double part = thrust.number("hover", 0.05, 0.8);
+  drone.hover = {.throttle = 1e3 * part, .exponent = thrust.number("exponent", 0.8, 3.0)};
+  return part;
+}
+
+void read_ardu_thrust(Strict thrust, DroneFile& drone) {
   ArduDrone& ardu = *drone.ardu;
-  ardu.hover = thrust.number("hover", 0.05, 0.8);
+  ardu.hover = read_hover(thrust, drone);
   ardu.expo = thrust.number("expo", -1.0, 1.0);
   ardu.spin_min = thrust.number("spin_min", 0.0, 0.3);
   ardu.spin_max = thrust.number("spin_max", 0.5, 1.0);
   ardu.angle_boost = thrust.whole("angle_boost", 0, 1) == 1;
-  drone.hover = {.throttle = 1e3 * ardu.hover, .exponent = thrust.number("exponent", 0.8, 3.0)};
   thrust.table().refuse_others();
 }
 
@@ -94,9 +96,8 @@ void read_px4(Strict controller, DroneFile& drone) {
 
 void read_px4_thrust(Strict thrust, DroneFile& drone) {
   Px4Drone& px4 = *drone.px4;
-  px4.hover = thrust.number("hover", 0.05, 0.8);
+  px4.hover = read_hover(thrust, drone);
   px4.model_factor = thrust.number("model_factor", 0.0, 1.0);
-  drone.hover = {.throttle = 1e3 * px4.hover, .exponent = thrust.number("exponent", 0.8, 3.0)};
   thrust.table().refuse_others();
 }
 
@@ -107,8 +108,7 @@ void read_ts002(Strict controller, DroneFile& drone) {
 }
 
 void read_ts002_thrust(Strict thrust, DroneFile& drone) {
-  drone.hover = {.throttle = 1e3 * thrust.number("hover", 0.05, 0.8),
-                 .exponent = thrust.number("exponent", 0.8, 3.0)};
+  (void)read_hover(thrust, drone);
   thrust.table().refuse_others();
 }
 
@@ -117,11 +117,11 @@ void read_controller(Strict controller, DroneFile& drone) {
   if (firmware == "ARDU") return read_ardu(std::move(controller), drone);
   if (firmware == "PX4") return read_px4(std::move(controller), drone);
   if (firmware == "TS-002") return read_ts002(std::move(controller), drone);
-  drone.board = controller.text("board");
-  if (drone.board.size() != 4) controller.fail("board", "the four letters of MSP_BOARD_INFO");
   if (firmware != "BTFL")
     controller.fail("firmware",
                     "\"BTFL\": Betaflight, \"ARDU\": ArduCopter, \"PX4\", or \"TS-002\"");
+  drone.board = controller.text("board");
+  if (drone.board.size() != 4) controller.fail("board", "the four letters of MSP_BOARD_INFO");
   drone.api_minor = controller.whole("api_minor", 43, 46);
   controller.table().refuse_others();
 }
@@ -197,37 +197,6 @@ void derive(files::Table& file, DroneFile& drone) {
                               files::text_of(0.1 * drone.hover.throttle, 3) + " %");
 }
 
-/// All constants as text, in one order.
-std::string constants_of(const DroneFile& d) {
-  std::string all = d.name + "|" + d.board;
-  const auto add = [&all](double value) { all += "|" + files::text_of(value); };
-  const msp::RcTuning& t = d.tuning;
-  for (const double value :
-       {double(d.api_minor), d.imu.gyro_counts_per_deg_per_s, d.imu.accel_counts_per_g,
-        double(t.rates_type), double(t.roll_rc_rate), double(t.pitch_rc_rate),
-        double(t.yaw_rc_rate), double(t.roll_expo), double(t.pitch_expo), double(t.yaw_expo),
-        double(t.throttle_mid), double(t.throttle_expo), double(d.receiver.mid),
-        double(d.receiver.min_check), double(d.deadband.roll_and_pitch), double(d.deadband.yaw),
-        double(d.hover_stick), d.hover.exponent, d.least_battery_v})
-    add(value);
-  for (std::size_t i = 0; i < 3; ++i) add(t.super_rate[i]), add(t.rate_limit[i]);
-  for (std::size_t i = 0; i < 4; ++i) add(d.map.place[i]);
-  if (d.px4) {
-    const Px4Drone& p = *d.px4;
-    all += "|PX4|" + p.version;
-    for (const double value :
-         {double(p.system), p.offboard_timeout_s, double(p.offboard_loss), p.hover, p.model_factor})
-      add(value);
-  }
-  if (!d.ardu) return all;
-  const ArduDrone& a = *d.ardu;
-  all += "|" + a.version;
-  for (const double value : {double(a.system), double(a.guided_options), a.guided_timeout_s,
-                             a.hover, a.expo, a.spin_min, a.spin_max, double(a.angle_boost)})
-    add(value);
-  return all;
-}
-
 }  // namespace
 
 double Hover::throttle_for(double thrust) const {
@@ -257,10 +226,6 @@ msp::Sticks DroneFile::sticks(const Eigen::Vector3d& rates_B, double thrust) con
   return sticks;
 }
 
-bool DroneFile::hand_over_tested(const std::string& program) const {
-  return ts002 || (!tested.empty() && tested == hand_over_mark(*this, program));
-}
-
 DroneFile read_drone(const std::filesystem::path& path) {
   const files::TomlFile content(path);
   files::Table file(content);
@@ -277,7 +242,7 @@ DroneFile read_drone(const std::filesystem::path& path) {
   read_controller(Strict{file.table("controller")}, drone);
   if (drone.ardu) {
     expect({"thrust"});
-    read_thrust(Strict{file.table("thrust")}, drone);
+    read_ardu_thrust(Strict{file.table("thrust")}, drone);
   } else if (drone.px4) {
     expect({"thrust"});
     read_px4_thrust(Strict{file.table("thrust")}, drone);
@@ -305,167 +270,6 @@ DroneFile read_drone(const std::filesystem::path& path) {
   file.refuse_others();
   if (!drone.by_mavlink()) derive(file, drone);
   return drone;
-}
-
-std::string hand_over_mark(const DroneFile& drone, const std::string& program) {
-  const std::string all = constants_of(drone) + "|" + program;
-  return files::text_of_xxh64(
-      files::xxh64({reinterpret_cast<const std::uint8_t*>(all.data()), all.size()}));
-}
-
-std::string with_hand_over_mark(const DroneFile& drone, const std::string& text,
-                                const std::string& mark) {
-  std::istringstream lines{text};
-  std::string kept;
-  bool inside = false;
-  for (std::string line; std::getline(lines, line);) {
-    const std::size_t first = line.find_first_not_of(" \t");
-    if (first != std::string::npos && line[first] == '[')
-      inside = line.compare(first, kTestTable.size(), kTestTable) == 0;
-    if (!inside) kept += line + "\n";
-  }
-  while (kept.ends_with("\n\n")) kept.pop_back();
-  const files::TomlFile left(drone.path, kept);
-  if (left.content().contains("hand_over_test"))
-    files::Table{left}.fail("hand_over_test", "written as a table: " + std::string{kTestTable});
-  if (mark.empty()) return kept;
-  return kept + "\n" + std::string{kTestTable} + "\npassed = \"" + mark + "\"\n";
-}
-
-std::string program_mark(const std::filesystem::path& program) {
-  const std::string bytes = files::read_file(program, std::uintmax_t{1} << 30);
-  return files::text_of_xxh64(
-      files::xxh64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}));
-}
-
-std::vector<std::string> differences(const DroneFile& drone, const guard::DroneFacts& facts,
-                                     const std::string& board) {
-  std::vector<std::string> found;
-  const auto compare = [&](const char* what, const auto& told, const auto& expected) {
-    const std::string says = files::text_of(double(told)),
-                      wanted = files::text_of(double(expected));
-    if (says != wanted)
-      found.push_back(std::string{what} + " is " + says + ", in the file " + wanted);
-  };
-  if (board != drone.board)
-    found.push_back("board is " + files::one_line(board) + ", in the file " + drone.board);
-  if (facts.api) compare("api_minor", facts.api->minor, drone.api_minor);
-  if (facts.tuning) {
-    const msp::RcTuning &t = *facts.tuning, &e = drone.tuning;
-    compare("rates_type", t.rates_type, e.rates_type);
-    compare("roll rc_rate", t.roll_rc_rate, e.roll_rc_rate);
-    compare("pitch rc_rate", t.pitch_rc_rate, e.pitch_rc_rate);
-    compare("yaw rc_rate", t.yaw_rc_rate, e.yaw_rc_rate);
-    compare("roll expo", t.roll_expo, e.roll_expo);
-    compare("pitch expo", t.pitch_expo, e.pitch_expo);
-    compare("yaw expo", t.yaw_expo, e.yaw_expo);
-    for (std::size_t i = 0; i < 3; ++i) {
-      compare("super_rate", t.super_rate[i], e.super_rate[i]);
-      compare("rate limit", t.rate_limit[i], e.rate_limit[i]);
-    }
-    compare("throttle mid", t.throttle_mid, e.throttle_mid);
-    compare("throttle expo", t.throttle_expo, e.throttle_expo);
-  }
-  if (facts.deadband) {
-    compare("deadband", facts.deadband->roll_and_pitch, drone.deadband.roll_and_pitch);
-    compare("yaw deadband", facts.deadband->yaw, drone.deadband.yaw);
-  }
-  if (facts.receiver) {
-    compare("mid_us", facts.receiver->mid, drone.receiver.mid);
-    compare("min_check_us", facts.receiver->min_check, drone.receiver.min_check);
-  }
-  if (facts.map)
-    for (std::size_t i = 0; i < 4; ++i)
-      compare("channel place", facts.map->place[i], drone.map.place[i]);
-  return found;
-}
-
-namespace {
-
-/// A parameter is a float: of its decimals those that somebody may have written.
-double written(std::optional<float> parameter) {
-  return std::round(1e5 * double(parameter.value_or(0.0f))) / 1e5;
-}
-
-std::string version_of(const std::optional<mavlink::AutopilotVersion>& told) {
-  const std::uint32_t version = told ? told->flight_sw_version : 0;
-  const auto part = [version](int shift) { return std::to_string((version >> shift) & kByte); };
-  return part(24) + "." + part(16) + "." + part(8);
-}
-
-/// Collects in what a controller is another than the file says.
-class Comparison {
- public:
-  void text(const char* what, const std::string& told, const std::string& wanted) {
-    if (told != wanted)
-      found_.push_back(std::string{what} + " is " + told + ", in the file " + wanted);
-  }
-  void number(const char* what, double told, double wanted) {
-    text(what, files::text_of(told), files::text_of(wanted));
-  }
-  /// Hover is learnt while it flies; more than a tenth is another drone.
-  void hover(const char* what, double told, double wanted) {
-    constexpr double kLearns = 0.1;
-    if (std::abs(told - wanted) > kLearns * wanted) number(what, told, wanted);
-  }
-  [[nodiscard]] const std::vector<std::string>& found() const { return found_; }
-
- private:
-  std::vector<std::string> found_;
-};
-
-}  // namespace
-
-ArduDrone ardu_drone_of(const guard::ArduFacts& facts) {
-  using Parameter = guard::ArduParameter;
-  const auto is = [&](Parameter which) { return written(facts.parameter(which)); };
-  return {.version = version_of(facts.version),
-          .system = 1,
-          .guided_options = static_cast<int>(is(Parameter::kGuidedOptions)),
-          .guided_timeout_s = is(Parameter::kGuidedTimeout),
-          .hover = is(Parameter::kHoverThrust),
-          .expo = is(Parameter::kThrustExpo),
-          .spin_min = is(Parameter::kSpinMin),
-          .spin_max = is(Parameter::kSpinMax),
-          .angle_boost = is(Parameter::kAngleBoost) != 0.0};
-}
-
-Px4Drone px4_drone_of(const guard::Px4Facts& facts) {
-  using Parameter = guard::Px4Parameter;
-  const auto is = [&](Parameter which) { return written(facts.parameter(which)); };
-  return {.version = version_of(facts.version),
-          .system = 1,
-          .offboard_timeout_s = is(Parameter::kOffboardTimeout),
-          .offboard_loss = static_cast<int>(is(Parameter::kOffboardLoss)),
-          .hover = is(Parameter::kHoverThrust),
-          .model_factor = is(Parameter::kModelFactor)};
-}
-
-std::vector<std::string> differences(const DroneFile& drone, const guard::ArduFacts& facts) {
-  const ArduDrone is = ardu_drone_of(facts);
-  const ArduDrone& file = *drone.ardu;
-  Comparison compare;
-  compare.text("version", is.version, file.version);
-  compare.number("GUID_OPTIONS", is.guided_options, file.guided_options);
-  compare.number("GUID_TIMEOUT", is.guided_timeout_s, file.guided_timeout_s);
-  compare.number("MOT_THST_EXPO", is.expo, file.expo);
-  compare.number("MOT_SPIN_MIN", is.spin_min, file.spin_min);
-  compare.number("MOT_SPIN_MAX", is.spin_max, file.spin_max);
-  compare.number("ATC_ANGLE_BOOST", double(is.angle_boost), double(file.angle_boost));
-  compare.hover("MOT_THST_HOVER", is.hover, file.hover);
-  return compare.found();
-}
-
-std::vector<std::string> differences(const DroneFile& drone, const guard::Px4Facts& facts) {
-  const Px4Drone is = px4_drone_of(facts);
-  const Px4Drone& file = *drone.px4;
-  Comparison compare;
-  compare.text("version", is.version, file.version);
-  compare.number("COM_OF_LOSS_T", is.offboard_timeout_s, file.offboard_timeout_s);
-  compare.number("COM_OBL_RC_ACT", is.offboard_loss, file.offboard_loss);
-  compare.number("THR_MDL_FAC", is.model_factor, file.model_factor);
-  compare.hover("MPC_THR_HOVER", is.hover, file.hover);
-  return compare.found();
 }
 
 }  // namespace gatefly::live

@@ -5,11 +5,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
-#include <vector>
 
-#include "gatefly/guard/ardu_interview.hpp"
-#include "gatefly/guard/interview.hpp"
-#include "gatefly/guard/px4_interview.hpp"
 #include "gatefly/link/msp_axes.hpp"
 #include "gatefly/link/msp_messages.hpp"
 #include "gatefly/link/rate_curve.hpp"
@@ -91,36 +87,10 @@ struct DroneFile {
   }
   /// Thrust to be sent over MAVLink, 0 … 1, for a specific one [m/s²]. @param upright  cosine of the tilt.
   [[nodiscard]] double thrust_part(double thrust, double upright) const;
-  /// Whether a hand-over test of these constants and this program has passed. Nobody hands over a TS-002 simulator's drone: always.
-  [[nodiscard]] bool hand_over_tested(const std::string& program) const;
 };
 
 /// Reads drone.toml. @throws std::runtime_error one line: file, line, key, what it must be; for any key that is
 ///     missing or not known, rates and throttle curves that are not known here.
 [[nodiscard]] DroneFile read_drone(const std::filesystem::path& path);
-
-/// A hash of all constants of a drone.toml and of the program, to which a hand-over test is bound; 16 hexadecimal digits.
-[[nodiscard]] std::string hand_over_mark(const DroneFile& drone, const std::string& program);
-
-/// The text of a drone.toml with another mark in [hand_over_test], or without that table where `mark` is "".
-/// @throws std::runtime_error one line, when the table is written in a way that cannot be replaced.
-[[nodiscard]] std::string with_hand_over_mark(const DroneFile& drone, const std::string& text,
-                                              const std::string& mark);
-
-/// A program by its bytes; the one that runs by default.
-[[nodiscard]] std::string program_mark(const std::filesystem::path& program = "/proc/self/exe");
-
-/// In what a controller is another than the file says, a line each; empty: it is the drone.
-[[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
-                                                   const guard::DroneFacts& facts,
-                                                   const std::string& board);
-[[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
-                                                   const guard::ArduFacts& facts);
-[[nodiscard]] std::vector<std::string> differences(const DroneFile& drone,
-                                                   const guard::Px4Facts& facts);
-
-/// An ArduCopter's or a PX4's own parameters, as the file stores them. Only where guard::complaints_about() has none.
-[[nodiscard]] ArduDrone ardu_drone_of(const guard::ArduFacts& facts);
-[[nodiscard]] Px4Drone px4_drone_of(const guard::Px4Facts& facts);
 
 }  // namespace gatefly::live

@@ -13,7 +13,7 @@ namespace {
 using namespace std::chrono_literals;
 using std::chrono::nanoseconds;
 
-constexpr std::uint8_t kArmedBit = 128, kInAir = 4;  // MAV_STATE_ACTIVE: not landed
+constexpr std::uint8_t kInAir = 4;  // MAV_STATE_ACTIVE: not landed
 constexpr std::uint16_t kUnknownVoltage = 65535;
 constexpr nanoseconds kBeatEvery = 500ms, kClockEvery = 200ms;
 constexpr nanoseconds kAskAgain = 500ms;   ///< Interval for repeating a request without answer.
@@ -168,7 +168,7 @@ void MavlinkListener::take_clock(const mavlink::Timesync& message, nanoseconds n
 }
 
 bool MavlinkListener::override_in(const mavlink::Heartbeat& beat) const {
-  if (params_.ts002) return (beat.base_mode & kArmedBit) != 0;
+  if (params_.ts002) return beat.is_armed();
   return params_.px4 ? mavlink::is_offboard(beat.custom_mode)
                      : beat.custom_mode == mavlink::kGuidedNoGps;
 }
@@ -181,7 +181,7 @@ void MavlinkListener::take_frame(const mavlink::Frame& frame, nanoseconds now) {
     if (wish.message == frame.id) wish.heard = now;
   if (const auto beat = mavlink::message_in<mavlink::Heartbeat>(frame)) {
     const bool was_armed = state_.armed;
-    state_.armed = (beat->base_mode & kArmedBit) != 0;
+    state_.armed = beat->is_armed();
     if (was_armed && !state_.armed) level_ = levelled(params_);
     // A real drone's autopilot is somebody else's to fly.
     is_real_ = is_real_ || autopilot_in(*beat);

@@ -19,7 +19,6 @@ Px4Introduction px4_introduction_of(Port& port, int system) {
 
 bool is_px4(Port& port, int system) {
   using namespace std::chrono_literals;
-  constexpr std::uint8_t kPx4s = 12;
   MavlinkWords words{system};
   mavlink::Stream stream;
   std::array<std::uint8_t, 2048> room{};
@@ -38,7 +37,8 @@ bool is_px4(Port& port, int system) {
     if (!got) return false;
     stream.feed(link::Bytes{room}.first(*got), [&](const mavlink::Frame& frame) {
       const auto beat = mavlink::message_in<mavlink::Heartbeat>(frame);
-      if (beat && words.is_drone(frame.sender) && !is) is = beat->autopilot == kPx4s;
+      if (beat && words.is_drone(frame.sender) && !is)
+        is = beat->autopilot == mavlink::Heartbeat::kPx4;
     });
   }
   return is.value_or(false);

@@ -18,13 +18,13 @@ using namespace std::chrono_literals;
 constexpr auto kStartsWithin = 5s;   ///< A simulator that has just been started is slow.
 constexpr auto kAskedAgain = 300ms;  ///< A question that is not answered is asked again.
 constexpr auto kOthers = 1200ms;     ///< Any other program sends a heartbeat each second.
-constexpr std::uint8_t kArmedFlag = 128, kUnknownMake = 0, kNoMake = 8, kArduPilot = 3, kPx4 = 12;
+constexpr std::uint8_t kUnknownMake = 0, kNoMake = 8;
 
 }  // namespace
 
 std::optional<std::string_view> autopilot_in(const mavlink::Heartbeat& beat) {
-  if (beat.autopilot == kArduPilot) return "an ArduPilot";
-  if (beat.autopilot == kPx4) return "a PX4";
+  if (beat.autopilot == mavlink::Heartbeat::kArduPilot) return "an ArduPilot";
+  if (beat.autopilot == mavlink::Heartbeat::kPx4) return "a PX4";
   if (beat.autopilot != kUnknownMake && beat.autopilot != kNoMake)
     return "an autopilot of a known make";
   return std::nullopt;
@@ -56,7 +56,7 @@ Ts002Introduction ts002_introduction_of(Port& port, int system) {
       if (!words.is_drone(frame.sender)) return;
       if (const auto beat = mavlink::message_in<mavlink::Heartbeat>(frame)) {
         beat_heard = true;
-        said.armed = (beat->base_mode & kArmedFlag) != 0;
+        said.armed = beat->is_armed();
         said.autopilot = autopilot_in(*beat);
       }
       if (mavlink::message_in<mavlink::HighresImu>(frame)) imu_heard = true;

@@ -14,7 +14,6 @@ namespace {
 
 constexpr int kStepsASample = 4, kSamplesAFix = 25;  ///< IMU at 250 Hz, satellites at 10 Hz.
 constexpr double kSampleTime = 4e-3;                 ///< [s]
-constexpr std::uint8_t kArmedByte = 128, kPx4Make = 12;
 constexpr int kSwitchIsOn = 1700;
 constexpr double kProgramSpeaks = 2.0;  ///< One that has said nothing for longer is gone [s].
 
@@ -84,7 +83,7 @@ bool GroundStation::Switch::is_to_be_said(double now) {
 }
 
 void GroundStation::heard(const mavlink::Heartbeat& beat) {
-  is_armed_ = (beat.base_mode & kArmedByte) != 0;
+  is_armed_ = beat.is_armed();
   if (is_armed_ == arm_.on) arm_.done = true;
   if (mavlink::is_offboard(beat.custom_mode) == offboard_.on) offboard_.done = true;
 }
@@ -148,7 +147,7 @@ void Px4End::hear_motors() {
     motors_told_.feed(link::Bytes{room}.first(*got), [this](const mavlink::Frame& frame) {
       const auto is = mavlink::message_in<mavlink::HilActuatorControls>(frame);
       if (!is) return;
-      armed_ = (is->mode & kArmedByte) != 0;
+      armed_ = (is->mode & mavlink::Heartbeat::kArmedBit) != 0;
       std::array<double, 4> pulses{};
       for (std::size_t i = 0; i < 4; ++i) pulses[i] = 1000.0 + 1000.0 * double(is->controls[i]);
       // PX4 counts front right, rear left, front left, rear right.
@@ -162,7 +161,7 @@ void Px4End::relay() {
   while (const auto bytes = companion_.receive(room)) {
     said_by_px4_.feed(*bytes, [this](const mavlink::Frame& frame) {
       const auto beat = mavlink::message_in<mavlink::Heartbeat>(frame);
-      if (beat && beat->autopilot == kPx4Make) station_.heard(*beat);
+      if (beat && beat->autopilot == mavlink::Heartbeat::kPx4) station_.heard(*beat);
     });
     if (!cut_) program_.send(*bytes);
   }

@@ -24,7 +24,7 @@ namespace gatefly::link_sim {
 class GroundStation {
  public:
   explicit GroundStation(int port) : line_{Datagrams::to(port)} {}
-  /// What the drone says of itself.
+  /// Takes a heartbeat of the drone's.
   void heard(const mavlink::Heartbeat& beat);
   /// Switches at `now` [s].
   void step(double now, bool armed, bool offboard);

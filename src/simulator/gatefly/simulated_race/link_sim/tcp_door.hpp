@@ -7,7 +7,7 @@
 
 namespace gatefly::link_sim {
 
-/// Where others call over TCP, on 127.0.0.1.
+/// A TCP port of 127.0.0.1 at which others call.
 class TcpDoor {
  public:
   /// @throws std::runtime_error one line: the port is taken.
