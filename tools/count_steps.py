@@ -56,7 +56,9 @@ def read_tape(name, folder):
     looks = [TICK.unpack_from(content, 24 + i * TICK.size)[1] >= 0 for i in range(ticks)]
     if drawn:
         path = folder / "drawn.tape"
-        path.write_bytes(content[:24 + ticks * TICK.size] + pictures * pattern(drawn, width, height))
+        picture = pattern(drawn, width, height)
+        # Each a pair of pixels farther on: the same picture again is one of a dead camera.
+        path.write_bytes(content[:24 + ticks * TICK.size] + b"".join(picture[4 * k:] + picture[:4 * k] for k in range(pictures)))
     return path, looks
 
 

@@ -56,6 +56,69 @@ TEST(CarefulSearch, AWashedOutGateIsFound) {
   EXPECT_GE(found, 9);
 }
 
+// The window of a caller who knows roughly where, how large and how turned the gate is.
+SearchWindow window_around(const Quad& corners, double margin) {
+  SearchWindow window{1e9, 1e9, -1e9, -1e9, 0.0, 0.0};
+  for (const auto& p : corners) {
+    window.left = std::min(window.left, p.x() - margin);
+    window.right = std::max(window.right, p.x() + margin);
+    window.top = std::min(window.top, p.y() - margin);
+    window.bottom = std::max(window.bottom, p.y() + margin);
+  }
+  const Eigen::Vector2d down = corners[3] - corners[0];
+  const double side = down.norm(), roll = std::atan2(-down.x(), down.y());
+  window.least_side = 0.6 * side, window.most_side = 1.6 * side;
+  window.least_roll = roll - 0.15, window.most_roll = roll + 0.15, window.for_one = true;
+  return window;
+}
+
+TEST(CarefulSearch, InAWindowTheGateIsTheOneThatIsFoundInAllOfThePicture) {
+  CarefulSearch search;
+  const CameraRig rig = bebop_rig();
+  int found = 0, same = 0;
+  for_all(60, [&](Rng& rng) {
+    View view = any_view(rng);
+    const auto truth = corners_of(1.0, view, rig);
+    if (!truth || !inside_picture(*truth, 315, 160)) return;
+    Canvas canvas(315, 160);
+    canvas.draw_gate(view, rig, 1.0, 0.05, {140, 110, 150});
+    canvas.add_noise(rng, 8.0, 2.0);
+    const auto bytes = canvas.yuv444();
+    const Image image{bytes.data(), PixelFormat::kYuv444, 315, 160};
+    const auto all = search.detect(image, kOrange);
+    const SearchWindow window = window_around(*truth, 25.0);
+    const auto here = search.detect(image, kOrange, &window);
+    if (all.empty() || worst_corner(all[0].corners_px, *truth) > 6.0) return;
+    ++found;
+    same += !here.empty() && worst_corner(here[0].corners_px, all[0].corners_px) < 1.0;
+  });
+  EXPECT_GE(found, 15);
+  EXPECT_GE(same, found - found / 20);
+}
+
+TEST(CarefulSearch, OutsideOfTheWindowAndOfAnotherSizeNothingIsFound) {
+  CarefulSearch search;
+  const CameraRig rig = bebop_rig();
+  const View view{{-3.0, 0.1, 0.1}, {}};
+  const Quad truth = corners_of(1.0, view, rig).value();
+  Canvas canvas(315, 160);
+  canvas.draw_gate(view, rig, 1.0, 0.05, {140, 80, 180});
+  const auto bytes = canvas.yuv444();
+  const Image image{bytes.data(), PixelFormat::kYuv444, 315, 160};
+  const auto gates_in = [&](const SearchWindow& window) {
+    return search.detect(image, kOrange, &window).size();
+  };
+  const SearchWindow right = window_around(truth, 20.0);
+  EXPECT_EQ(gates_in(right), 1u);
+  SearchWindow aside = right, small = right, empty = right;
+  aside.left = truth[1].x() + 4.0, aside.right = 400.0;
+  small.most_side = 0.5 * right.least_side, small.least_side = 0.0;
+  empty.right = empty.left - 5.0;
+  EXPECT_EQ(gates_in(aside), 0u);
+  EXPECT_EQ(gates_in(small), 0u);
+  EXPECT_EQ(gates_in(empty), 0u);
+}
+
 TEST(CarefulSearch, ATraceChangesNothingAndSaysWhatWasTaken) {
   Canvas canvas(315, 160);
   const CameraRig rig = bebop_rig();
@@ -66,7 +129,7 @@ TEST(CarefulSearch, ATraceChangesNothingAndSaysWhatWasTaken) {
   CarefulSearch search;
   SearchTrace trace;
   const GateDetections plain = search.detect(image, kOrange),
-                       traced = search.detect(image, kOrange, &trace);
+                       traced = search.detect(image, kOrange, nullptr, &trace);
   ASSERT_EQ(plain.size(), 1u);
   ASSERT_EQ(traced.size(), 1u);
   EXPECT_EQ(plain[0].corners_px, traced[0].corners_px);
@@ -87,7 +150,8 @@ TEST(CarefulSearch, ATraceSaysWhyAFilledSquareWasRefused) {
   CarefulSearch search;
   SearchTrace trace;
   EXPECT_TRUE(
-      search.detect({bytes.data(), PixelFormat::kYuv444, 315, 160}, kOrange, &trace).empty());
+      search.detect({bytes.data(), PixelFormat::kYuv444, 315, 160}, kOrange, nullptr, &trace)
+          .empty());
   ASSERT_FALSE(trace.places.empty()) << "a template finds its sides";
   for (const auto& frame : trace.finished) EXPECT_FALSE(frame.taken);
   // Refused as a rough frame, for its score, or pixel by pixel.

@@ -88,8 +88,35 @@ TEST(EvidenceMap, IsThatOfEachCellsColourAndOfTheMeanAroundIt) {
       const int evidence =
           std::clamp(color.evidence(cell(x, y), around), -EvidenceMap::kLimit, EvidenceMap::kLimit);
       ASSERT_EQ(map.at(x, y), evidence) << x << ", " << y;
-      ASSERT_EQ(map.cells()[y * width + x], evidence) << x << ", " << y;
+      ASSERT_EQ(map.row(y)[x], evidence) << x << ", " << y;
     }
+  });
+}
+
+TEST(EvidenceMap, APartIsAsInAMapOfAllAndOutsideOfItThereIsNoGate) {
+  EvidenceMap all, part;
+  const PictureColor color{kOrange};
+  for_all(30, [&](Rng& rng) {
+    const MapPicture picture{any_map_picture(rng)};
+    const Image& image = picture.image;
+    const double left = rng.uniform(-40.0, image.width()), top = rng.uniform(-40.0, image.height());
+    const SearchWindow window{
+        left, top, left + rng.uniform(0.0, 120.0), top + rng.uniform(0.0, 120.0), 0.0, 1e3};
+    all.fill(image, color), part.fill(image, color, &window);
+    ASSERT_EQ(part.width(), all.width());
+    const CellBox& cells = part.filled();
+    for (int y = -1; y <= all.height(); ++y)
+      for (int x = -1; x <= all.width(); ++x) {
+        const bool wanted = 2.0 * x + 1.0 >= window.left && 2.0 * x <= window.right &&
+                            2.0 * y + 1.0 >= window.top && 2.0 * y <= window.bottom && x >= 0 &&
+                            y >= 0 && x < all.width() && y < all.height();
+        ASSERT_TRUE(!wanted || cells.contains(x, y)) << x << ", " << y;
+        ASSERT_EQ(part.at(x, y), cells.contains(x, y) ? all.at(x, y) : EvidenceMap::kOutside);
+        if (x >= all.width() || y >= all.height()) continue;
+        ASSERT_EQ(part.at_pixel(image, color, 2 * x, 2 * y),
+                  cells.contains(x, y) ? all.at_pixel(image, color, 2 * x, 2 * y)
+                                       : EvidenceMap::kOutside);
+      }
   });
 }
 
@@ -147,8 +174,8 @@ TEST(EvidenceMap, WhatWasReadBeforeLeavesNoTrace) {
     EvidenceMap fresh;
     fresh.fill(picture.image, kOrange);
     ASSERT_EQ(used.width(), fresh.width());
-    for (int k = 0; k < fresh.width() * fresh.height(); ++k)
-      ASSERT_EQ(used.cells()[k], fresh.cells()[k]) << k;
+    for (int y = 0; y < fresh.height(); ++y)
+      for (int x = 0; x < fresh.width(); ++x) ASSERT_EQ(used.at(x, y), fresh.at(x, y));
   });
 }
 

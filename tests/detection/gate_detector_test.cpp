@@ -283,6 +283,62 @@ TEST(GateDetector, WhereAGateIsExpectedAndNoneIsNoneIsFound) {
   });
 }
 
+// Two gates that the fast search seldom sees; the window is around one of them.
+TEST(GateDetector, OnlyTheWindowIsSearchedCarefully) {
+  GateDetector detector;
+  const View here{{-3.0, -0.8, 0.1}, {}}, elsewhere{{-3.0, 1.0, 0.1}, {}};
+  const Quad corners = truth_of(here);
+  const SearchWindow window{corners[0].x() - 20.0,
+                            corners[0].y() - 20.0,
+                            corners[2].x() + 20.0,
+                            corners[2].y() + 20.0,
+                            20.0,
+                            90.0};
+  int all_here = 0, all_elsewhere = 0, window_here = 0, window_elsewhere = 0;
+  for_all(80, [&](Rng& rng) {
+    Canvas canvas(315, 160);
+    for (const View& view : {here, elsewhere})
+      canvas.draw_gate(view, bebop_rig(), 1.0, 0.05, {124, 124, 132});
+    canvas.add_noise(rng, 8.0, 2.0);
+    const ViewPicture picture{canvas};
+    const auto shows = [&](const LookFor& look_for, const View& view) {
+      const auto gates = detector.look(picture.image(), kOrange, look_for).gates;
+      return std::any_of(gates.begin(), gates.end(), [&](const GateDetection& gate) {
+        return worst_corner(gate.corners_px, truth_of(view)) < 6.0;
+      });
+    };
+    const LookFor quick{.quick = true}, everywhere{.gates = Gates::kAll},
+        in_window{.within = &window};
+    if (shows(quick, elsewhere)) return;
+    all_here += shows(everywhere, here), all_elsewhere += shows(everywhere, elsewhere);
+    window_here += shows(in_window, here), window_elsewhere += shows(in_window, elsewhere);
+  });
+  EXPECT_GE(all_elsewhere, 5);
+  EXPECT_GE(window_here, all_here);
+  EXPECT_EQ(window_elsewhere, 0);
+}
+
+TEST(GateDetector, WhereTheExpectedGateStandsOutTheWindowNeedNotBeSearched) {
+  GateDetector detector;
+  const ViewPicture picture = picture_of({kAhead});
+  const Quad bars = scaled(truth_of(kAhead), 0.95);
+  const SearchWindow window{0.0, 0.0, 315.0, 160.0, 20.0, 90.0};
+  const LookFor expected{.expected_bars = &bars, .within = &window};
+  EXPECT_FALSE(detector.look(picture.image(), kOrange, expected).careful);
+  const LookFor others_too{.gates = Gates::kAll, .expected_bars = &bars, .within = &window};
+  EXPECT_TRUE(detector.look(picture.image(), kOrange, others_too).careful);
+}
+
+// What stands out is answered wherever the window is.
+TEST(GateDetector, AWindowLosesNoGateThatTheFastSearchFinds) {
+  GateDetector detector;
+  const ViewPicture picture = picture_of({kAhead});
+  const SearchWindow elsewhere{0.0, 100.0, 60.0, 160.0, 0.0, 1e3};
+  const auto gates = detector.look(picture.image(), kOrange, {.within = &elsewhere}).gates;
+  ASSERT_EQ(gates.size(), 1u);
+  EXPECT_LT(worst_corner(gates[0].corners_px, truth_of(kAhead)), 4.0);
+}
+
 TEST(GateDetector, SaysWhetherItLookedCarefully) {
   GateDetector detector;
   const ViewPicture near = picture_of({kAhead}), empty = picture_of({});

@@ -319,6 +319,41 @@ TEST(GateTemplates, TheBestOfADrawnFrameLiesOnIt) {
   }
 }
 
+TEST(GateTemplates, TryOnlyTheSizesTurnsAndWidthsThatAreAskedFor) {
+  GateTemplates templates{30.0};
+  EvidenceMap map;
+  int found_all = 0, found_some = 0;
+  for_all(40, [&](Rng& rng) {
+    fill(map, any_picture(rng));
+    const double side = rng.uniform(16.0, 80.0), roll = rng.uniform(-0.5, 0.5),
+                 width = rng.uniform(0.35, 1.0);
+    const SearchWindow window{.left = 0.0,
+                              .top = 0.0,
+                              .right = 200.0,
+                              .bottom = 200.0,
+                              .least_side = side,
+                              .most_side = 1.2 * side,
+                              .least_width = width,
+                              .most_width = width,
+                              .least_roll = roll,
+                              .most_roll = roll};
+    GateCandidates all, some;
+    templates.search(map, 76, all), templates.search(map, 76, some, &window);
+    for (const GateCandidate& c : some) {
+      const Vector2d down = c.corners_px[3] - c.corners_px[0],
+                     across = c.corners_px[1] - c.corners_px[0];
+      EXPECT_GT(down.norm(), side / 1.3);
+      EXPECT_LT(down.norm(), 1.2 * side * 1.3);
+      EXPECT_NEAR(std::atan2(-down.x(), down.y()), roll, 0.11);
+      EXPECT_GT(across.norm() / down.norm(), width / 1.25);
+      EXPECT_LT(across.norm() / down.norm(), 1.25 * width + 0.1);
+    }
+    found_all += static_cast<int>(all.size()), found_some += static_cast<int>(some.size());
+  });
+  EXPECT_GT(found_some, 20);
+  EXPECT_GT(2 * found_all, 3 * found_some);
+}
+
 TEST(GateTemplates, FindNothingWhereNothingShowsOrNothingFits) {
   GateTemplates templates{60.0};
   EvidenceMap map;

@@ -125,18 +125,23 @@ void GateDetector::list_gates(const Image& image, const LookFor& look_for) {
 
 GateDetections GateDetector::ours(const Image& image, const LookFor& look_for) {
   const LookFor::Gates wanted = look_for.gates;
-  if (wanted == LookFor::Gates::kAll && !look_for.quick) return everywhere(image);
+  const SearchWindow* const within = look_for.within;
+  if (wanted == LookFor::Gates::kAll && !look_for.quick && within == nullptr)
+    return everywhere(image);
   GateDetections quick = searches_->snakes.detect(image, searches_->color);
   const bool sure = !quick.empty() && is_sure(quick[0]);
-  if (!sure && look_for.expected_bars != nullptr &&
-      add_expected(*look_for.expected_bars, image, quick))
-    return quick;
+  const bool expected_is_found = (!sure || within != nullptr) &&
+                                 look_for.expected_bars != nullptr &&
+                                 add_expected(*look_for.expected_bars, image, quick);
+  if (expected_is_found && within == nullptr) return quick;
   if (look_for.quick) return in_order(quick, image);
+  if (expected_is_found && wanted != LookFor::Gates::kAll && is_sure(quick[0])) return quick;
+  if (within != nullptr) return with_gates_beside(quick, image, within);
   if (!sure) return everywhere(image);
   // A strong bar beside the gates found may be another gate's. Who knows which gate to expect need
   // not ask.
   if (wanted == LookFor::Gates::kBest && searches_->snakes.shows_bars_beside(quick))
-    return with_gates_beside(quick, image);
+    return with_gates_beside(quick, image, nullptr);
   return in_order(quick, image);
 }
 
@@ -164,12 +169,14 @@ GateDetections GateDetector::everywhere(const Image& image) {
   return in_order(searches_->careful.detect(image, searches_->color), image);
 }
 
-// Keeps sure gates of the fast search unless the careful one is surer of a gate in the same place.
-GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image) {
+// Keeps sure gates of the fast search, and where only a part of the picture is searched all of them,
+// unless the careful one is surer of a gate in the same place.
+GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image,
+                                               const SearchWindow* within) {
   careful_ = true;
-  GateDetections all = searches_->careful.detect(image, searches_->color);
+  GateDetections all = searches_->careful.detect(image, searches_->color, within);
   for (const GateDetection& gate : quick) {
-    if (!is_sure(gate)) continue;
+    if (within == nullptr && !is_sure(gate)) continue;
     const auto same = std::find_if(all.begin(), all.end(), [&](const auto& other) {
       return same_place(other.corners_px, gate.corners_px);
     });

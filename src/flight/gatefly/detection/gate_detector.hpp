@@ -10,6 +10,7 @@
 #include "gatefly/detection/gate_detection.hpp"
 #include "gatefly/detection/gate_detector_params.hpp"
 #include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search_window.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -43,6 +44,9 @@ struct LookFor {
   const Quad* expected_bars = nullptr;
   /// No careful search, whatever is found. kOurs.
   bool quick = false;
+  /// All of the picture that is searched carefully, if the expected gate is not found, or in any case where
+  /// `gates` is kAll. kOurs.
+  const SearchWindow* within = nullptr;
   /// Another request for the last picture and the same colour: reuses the tone measured then.
   /// kOurs, kFast, kCareful.
   bool again = false;
@@ -87,7 +91,8 @@ class GateDetector {
   [[nodiscard]] GateDetections ours(const Image& image, const LookFor& look_for);
   bool add_expected(const Quad& bars_px, const Image& image, GateDetections& gates) const;
   [[nodiscard]] GateDetections everywhere(const Image& image);
-  [[nodiscard]] GateDetections with_gates_beside(const GateDetections& quick, const Image& image);
+  [[nodiscard]] GateDetections with_gates_beside(const GateDetections& quick, const Image& image,
+                                                 const SearchWindow* within);
   [[nodiscard]] bool is_sure(const GateDetection& gate) const;
   [[nodiscard]] GateDetections in_order(GateDetections gates, const Image& image) const;
 

@@ -28,6 +28,7 @@ std::size_t filter_target(const Navigator& navigator) {
 MapLookout::MapLookout(const LookoutParams& params)
     : params_{params},
       detector_{params.detector, params.detector_mode},
+      attention_{params.sight},
       monitor_{{.pause = kPause, .least = kLeast}} {}
 
 GateDetections MapLookout::whole_gates(const Sensors& sensors, const LookFor& look_for) {
@@ -58,56 +59,18 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
                   navigator,
                   {params_.camera, params_.timing, navigator.time(), size, arrivals_.sigma()}};
   size_px_ = size;
-  std::optional<Quad> bars;
-  sighting_.detections = whole_gates(sensors, sensors.seen ? LookFor{} : look_for(view, bars));
+  const double ago = params_.timing.latency - navigator.error_state()->now().delay;
+  const Attention::SinceTaken since{.any = navigator.time() - last_any_,
+                                    .target = navigator.since_fix()};
+  sighting_.detections = whole_gates(
+      sensors, sensors.seen ? LookFor{}
+                            : attention_.next(*navigator.error_state(), since, ago, view.picture));
   sighting_.seen = !sighting_.detections.empty();
   take_whole_gates(view);
   const double x = navigator.error_state()->p_GB().x();
   const double from = params_.sight.parts_from * course.gate().side;
   const bool near_target = x > -from && x < 0.0;
   if (sighting_.source == Sighting::Source::kNone && near_target) take_parts(view);
-}
-
-// Looking carefully costs a hundred times as much. It is for gates that are expected, not found, and
-// sometimes in case the estimate is wrong.
-LookFor MapLookout::look_for(const View& view, std::optional<Quad>& bars) {
-  LookFor look{.gates = LookFor::Gates::kStandingOut};
-  const double since = view.navigator.time() - last_any_;
-  bars = since < params_.sight.expect_for ? expected_bars(view) : std::nullopt;
-  if (bars) look.expected_bars = &*bars;
-  const bool is_lost = since > params_.sight.expect_for ||
-                       (bars && view.navigator.since_fix() > params_.sight.careful_after);
-  look.quick = !is_lost && ++quick_looks_ < params_.sight.careful_every;
-  if (!look.quick) quick_looks_ = 0, look.gates = LookFor::Gates::kAll;
-  return look;
-}
-
-// Middle lines of the target's bars as the picture should show them; nullopt: out of view.
-std::optional<Quad> MapLookout::expected_bars(const View& view) const {
-  constexpr double kNearest = 0.4;  // before the lens [m]
-  const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
-  const eskf::Nominal& x = filter.now();
-  const double ago = params_.timing.latency - x.delay;
-  const Eigen::Matrix3d R_EB = x.R_EB * rotation_of(-ago * x.rate_B);
-  const Eigen::Vector3d p_EB = x.p_EB - ago * x.v_E;
-  const MapGate& gate = view.course.gate();
-  const Image& image = *view.sensors.image;
-  const Eigen::Matrix3d R_EG = rotation_z(filter.target_yaw());
-  const auto corners = gate_corners_G(gate.side - gate.bar);
-  Quad bars;
-  bool in_view = false;
-  for (std::size_t i = 0; i < corners.size(); ++i) {
-    const Eigen::Vector3d p_B =
-        R_EB.transpose() * (filter.target().p_EG + R_EG * corners[i] - p_EB);
-    const Eigen::Vector3d p_C = x.R_BC.transpose() * (p_B - params_.camera.p_BC);
-    const auto px = p_C.z() > kNearest ? params_.camera.lens.project(p_C) : std::nullopt;
-    if (!px) return std::nullopt;
-    bars[i] = *px;
-    in_view = in_view || (px->x() >= 0.0 && px->y() >= 0.0 && px->x() <= image.width() - 1.0 &&
-                          px->y() <= image.height() - 1.0);
-  }
-  if (!in_view) return std::nullopt;
-  return bars;
 }
 
 bool MapLookout::would_show_whole(const MapGate& gate, const Eigen::Vector3d& p_GB) const {

@@ -7,6 +7,7 @@
 #include "gatefly/estimation/eskf/monitor.hpp"
 #include "gatefly/race/arrival_jitter.hpp"
 #include "gatefly/race/association.hpp"
+#include "gatefly/race/attention.hpp"
 #include "gatefly/race/lookout.hpp"
 #include "gatefly/race/stray_gate.hpp"
 
@@ -53,8 +54,6 @@ class MapLookout {
     Navigator& navigator;
     PictureClock picture;
   };
-  [[nodiscard]] LookFor look_for(const View& view, std::optional<Quad>& bars);
-  [[nodiscard]] std::optional<Quad> expected_bars(const View& view) const;
   [[nodiscard]] GateDetections whole_gates(const Sensors& sensors, const LookFor& look_for);
   void take_whole_gates(const View& view);
   void take_parts(const View& view);
@@ -71,6 +70,7 @@ class MapLookout {
   LookoutParams params_;
   MapSightParams map_;
   GateDetector detector_;
+  Attention attention_;
   Sighting sighting_;
   eskf::Monitor monitor_;
   ArrivalJitter arrivals_;
@@ -84,7 +84,6 @@ class MapLookout {
   bool target_seen_ = false;       ///< By its corners, in this approach.
   int passed_ = 0;                 ///< Gates, when a picture came last.
   int refused_ = 0;                ///< Sure detections since then.
-  int quick_looks_ = 0;
 };
 
 }  // namespace gatefly

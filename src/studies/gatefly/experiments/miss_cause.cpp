@@ -17,7 +17,7 @@ std::string cause_of_miss(const Image& image, const Quad& corners_px, const Colo
   };
   CarefulSearch search{params};
   SearchTrace trace;
-  (void)search.detect(image, color, &trace);
+  (void)search.detect(image, color, nullptr, &trace);
   for (const SearchTrace::Finished& frame : trace.finished) {
     if (!is_there(frame.frame_px)) continue;
     if (frame.taken) return "corners off";

@@ -109,7 +109,7 @@ SearchReport explained(const Image& image, const PilotConfig& config,
   report.fast = fast.detect(image, color);
   report.bars = fast.bars();
   CarefulSearch careful{config.detector};
-  (void)careful.detect(image, color, &report.trace);
+  (void)careful.detect(image, color, nullptr, &report.trace);
   report.considered = considered_in(report.trace, config.detector);
   report.in_words = words_of(report, config.detector);
   return report;

@@ -20,14 +20,17 @@ class CarefulSearch {
   explicit CarefulSearch(const GateDetectorParams& params = {});
 
   /// Distinct gates, best first. Allocates nothing.
+  /// @param within  searched alone; null: all of the picture.
   /// @param trace  filled with what was looked at, if given; empty before.
   [[nodiscard]] GateDetections detect(const Image& image, const PictureColor& color,
+                                      const SearchWindow* within = nullptr,
                                       SearchTrace* trace = nullptr);
 
  private:
   GateDetectorParams params_;
   EvidenceMap map_;
   GateTemplates templates_;
+  GateCandidates candidates_;  // here, for 4 KB are too much for the stack
   LensBend bend_;
   std::vector<LensBend> guesses_;  // what a lens that nobody named might be; else none
 };

@@ -22,53 +22,76 @@ struct ColumnSums {
   int rows = 0;
 };
 
+/// The means wanted, of a picture of `width` by `height`; and the cells that they are of, which are
+/// those and the ones around them.
+struct Box {
+  CellBox wanted, read;
+  int width, height, radius;
+};
+
 // Means of a row; smaller squares at the border. Differences of sums: compilers take several at
 // once, of a running sum none.
-void average(const ColumnSums& sums, std::uint8_t* __restrict out, int width, int radius) {
+void average(const ColumnSums& sums, std::uint8_t* __restrict out, const Box& box) {
+  const int first = box.read.left, radius = box.radius;
   std::uint32_t* const before = sums.before.data();
-  before[0] = 0;
-  for (int x = 0; x < width; ++x) before[x + 1] = before[x] + sums.of[static_cast<std::size_t>(x)];
+  before[first] = 0;
+  for (int x = first; x < box.read.right; ++x)
+    before[x + 1] = before[x] + sums.of[static_cast<std::size_t>(x)];
   const auto mean = [&](int from, int to, float share) {
     return static_cast<std::uint8_t>(
         static_cast<float>(static_cast<int>(before[to] - before[from])) * share + 0.5f);
   };
   const auto share_of = [&](int columns) { return 1.0f / static_cast<float>(columns * sums.rows); };
   const auto at_border = [&](int x) {
-    const int from = std::max(0, x - radius), to = std::min(width, x + radius + 1);
+    const int from = std::max(0, x - radius), to = std::min(box.width, x + radius + 1);
     out[x] = mean(from, to, share_of(to - from));
   };
   const float share = share_of(2 * radius + 1);
-  for (int x = 0; x < std::min(radius, width); ++x) at_border(x);
-  for (int x = radius; x < width - radius; ++x) out[x] = mean(x - radius, x + radius + 1, share);
-  for (int x = std::max(radius, width - radius); x < width; ++x) at_border(x);
+  const int left = box.wanted.left, right = box.wanted.right,
+            inner = std::clamp(radius, left, right),
+            outer = std::clamp(box.width - radius, inner, right);
+  for (int x = left; x < inner; ++x) at_border(x);
+  for (int x = inner; x < outer; ++x) out[x] = mean(x - radius, x + radius + 1, share);
+  for (int x = outer; x < right; ++x) at_border(x);
 }
 
 // Mean over a square of (2 radius + 1)² cells, smaller at the border.
 void box_mean(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& to, ColumnSums sums,
-              int width, int height, int radius) {
+              const Box& box) {
   std::vector<std::uint16_t>& columns = sums.of;
-  std::fill_n(columns.begin(), width, std::uint16_t{0});
-  const auto row = [width](auto& cells, int y) {
-    return cells.data() + static_cast<std::ptrdiff_t>(y) * width;
+  std::fill(columns.begin() + box.read.left, columns.begin() + box.read.right, std::uint16_t{0});
+  const auto row = [&](auto& cells, int y) {
+    return cells.data() + static_cast<std::ptrdiff_t>(y) * box.width;
   };
   const auto add_row = [&](int y) {
     const std::uint8_t* cells = row(from, y);
-    for (int x = 0; x < width; ++x)
+    for (int x = box.read.left; x < box.read.right; ++x)
       columns[static_cast<std::size_t>(x)] =
           static_cast<std::uint16_t>(columns[static_cast<std::size_t>(x)] + cells[x]);
   };
   const auto drop_row = [&](int y) {
     const std::uint8_t* cells = row(from, y);
-    for (int x = 0; x < width; ++x)
+    for (int x = box.read.left; x < box.read.right; ++x)
       columns[static_cast<std::size_t>(x)] =
           static_cast<std::uint16_t>(columns[static_cast<std::size_t>(x)] - cells[x]);
   };
-  for (int y = 0; y < std::min(height, radius); ++y) add_row(y), ++sums.rows;
-  for (int y = 0; y < height; ++y) {
-    if (y + radius < height) add_row(y + radius), ++sums.rows;
-    if (y - radius - 1 >= 0) drop_row(y - radius - 1), --sums.rows;
-    average(sums, row(to, y), width, radius);
+  const int top = box.wanted.top, radius = box.radius;
+  for (int y = box.read.top; y < std::min(box.height, top + radius); ++y) add_row(y), ++sums.rows;
+  for (int y = top; y < box.wanted.bottom; ++y) {
+    if (y + radius < box.height) add_row(y + radius), ++sums.rows;
+    if (y > top && y - radius - 1 >= 0) drop_row(y - radius - 1), --sums.rows;
+    average(sums, row(to, y), box);
   }
+}
+
+// Cells that a window covers, whole or in part.
+CellBox cells_of(const SearchWindow* window, int width, int height, int step) {
+  if (window == nullptr) return {0, 0, width, height};
+  const auto cell = [step](double px, int end) {
+    return static_cast<int>(std::clamp(px / step, 0.0, static_cast<double>(end)));
+  };
+  return {cell(window->left, width), cell(window->top, height), cell(window->right + step, width),
+          cell(window->bottom + step, height)};
 }
 
 }  // namespace
@@ -79,47 +102,61 @@ EvidenceMap::EvidenceMap() {
   evidence_.resize(kCells);
 }
 
-void EvidenceMap::fill(const Image& image, const PictureColor& color) {
+void EvidenceMap::fill(const Image& image, const PictureColor& color, const SearchWindow* within) {
   // Two pixels a cell at least, and as many as it takes.
   step_ = 2;
   while ((image.width() / step_) * (image.height() / step_) > kCells) ++step_;
   width_ = image.width() / step_, height_ = image.height() / step_;
   if (width_ == 0 || height_ == 0) {
-    width_ = height_ = 0;
+    width_ = height_ = 0, filled_ = {};
     return;
   }
-  read(image);
+  filled_ = cells_of(within, width_, height_, step_);
+  if (filled_.empty()) return;
   const int radius =
       std::clamp(std::min(width_, height_) / kShorterPerRadius, kLeastRadius, kMostRadius);
-  box_mean(y_, around_y_, {columns_, columns_before_}, width_, height_, radius);
-  box_mean(u_, around_u_, {columns_, columns_before_}, width_, height_, radius);
-  box_mean(v_, around_v_, {columns_, columns_before_}, width_, height_, radius);
-  for (std::size_t k = 0; k < static_cast<std::size_t>(width_ * height_); ++k) {
-    const int e = color.evidence({y_[k], u_[k], v_[k]}, {around_y_[k], around_u_[k], around_v_[k]});
-    evidence_[k] = static_cast<std::int8_t>(std::clamp(e, -kLimit, kLimit));
+  const CellBox around{std::max(0, filled_.left - radius), std::max(0, filled_.top - radius),
+                       std::min(width_, filled_.right + radius),
+                       std::min(height_, filled_.bottom + radius)};
+  read(image, around);
+  const Box box{filled_, around, width_, height_, radius};
+  box_mean(y_, around_y_, {columns_, columns_before_}, box);
+  box_mean(u_, around_u_, {columns_, columns_before_}, box);
+  box_mean(v_, around_v_, {columns_, columns_before_}, box);
+  for (int y = filled_.top; y < filled_.bottom; ++y) {
+    const auto first = static_cast<std::size_t>(y * width_);
+    for (std::size_t k = first + static_cast<std::size_t>(filled_.left);
+         k < first + static_cast<std::size_t>(filled_.right); ++k) {
+      const int e =
+          color.evidence({y_[k], u_[k], v_[k]}, {around_y_[k], around_u_[k], around_v_[k]});
+      evidence_[k] = static_cast<std::int8_t>(std::clamp(e, -kLimit, kLimit));
+    }
   }
 }
 
 // Two pixels of each cell, one row of pixels after the other: the layout is asked once a row.
-void EvidenceMap::read(const Image& image) {
-  const int other = step_ / 2, first = (step_ - 2) / 4;
-  for (int y = 0; y < height_; ++y) {
-    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width_;
+void EvidenceMap::read(const Image& image, const CellBox& cells) {
+  const int other = step_ / 2, first = (step_ - 2) / 4, u = cells.left * step_ + first;
+  for (int y = cells.top; y < cells.bottom; ++y) {
+    const std::ptrdiff_t row = static_cast<std::ptrdiff_t>(y) * width_ + cells.left;
     std::uint8_t *to_y = y_.data() + row, *to_u = u_.data() + row, *to_v = v_.data() + row;
     const int v = y * step_ + first;
-    image.visit_row(first, v, step_, width_,
+    image.visit_row(u, v, step_, cells.width(),
                     [&](Yuv c) { *to_y++ = c.y, *to_u++ = c.u, *to_v++ = c.v; });
     to_y = y_.data() + row, to_u = u_.data() + row, to_v = v_.data() + row;
     const auto mean = [](std::uint8_t& level, std::uint8_t more) {
       level = static_cast<std::uint8_t>((level + more + 1) >> 1);
     };
-    image.visit_row(first + other, v + other, step_, width_,
+    image.visit_row(u + other, v + other, step_, cells.width(),
                     [&](Yuv c) { mean(*to_y++, c.y), mean(*to_u++, c.u), mean(*to_v++, c.v); });
   }
 }
 
 int EvidenceMap::at_pixel(const Image& image, const PictureColor& color, int u, int v) const {
-  if (!image.contains(u, v) || width_ == 0) return kOutside;
+  if (!image.contains(u, v) || filled_.empty()) return kOutside;
+  // The last pixels of a picture may be less than a cell.
+  const int x = std::min(u / step_, width_ - 1), y = std::min(v / step_, height_ - 1);
+  if (!filled_.contains(x, y)) return kOutside;
   return std::clamp(color.evidence(image.at(u, v), around(u, v)), -kLimit, kLimit);
 }
 

@@ -7,9 +7,22 @@
 #include <vector>
 
 #include "gatefly/detection/picture_color.hpp"
+#include "gatefly/detection/search_window.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
+
+/// Cells from `left` and `top` up to, not including, `right` and `bottom`.
+struct CellBox {
+  int left = 0, top = 0, right = 0, bottom = 0;
+
+  [[nodiscard]] int width() const { return right - left; }
+  [[nodiscard]] int height() const { return bottom - top; }
+  [[nodiscard]] bool empty() const { return right <= left || bottom <= top; }
+  [[nodiscard]] bool contains(int x, int y) const {
+    return x >= left && x < right && y >= top && y < bottom;
+  }
+};
 
 /// A picture as evidence for the gate, on a grid of at most kCells cells whatever the picture's
 /// size: two pixels a cell up to 640 x 480.
@@ -20,20 +33,25 @@ class EvidenceMap {
   EvidenceMap();  ///< Allocates once; fill() never does.
 
   /// Reads two pixels a cell. An empty image makes an empty map.
-  void fill(const Image& image, const PictureColor& color);
+  /// @param within  of the picture, or null for all of it; what is there is the same as in a map of all.
+  void fill(const Image& image, const PictureColor& color, const SearchWindow* within = nullptr);
 
-  [[nodiscard]] int width() const { return width_; }    ///< [cells]
-  [[nodiscard]] int height() const { return height_; }  ///< [cells]
+  [[nodiscard]] int width() const { return width_; }    ///< Of the whole picture [cells].
+  [[nodiscard]] int height() const { return height_; }  ///< Of the whole picture [cells].
   [[nodiscard]] int step() const { return step_; }      ///< Pixels a cell.
+  [[nodiscard]] const CellBox& filled() const { return filled_; }
 
-  /// Evidence of a cell, within ±kLimit; outside the picture there is none of a gate.
+  /// Evidence of a cell, within ±kLimit; outside of what was filled there is none of a gate.
   [[nodiscard]] int at(int x, int y) const {
-    if (x < 0 || y < 0 || x >= width_ || y >= height_) return kOutside;
+    if (!filled_.contains(x, y)) return kOutside;
     return evidence_[static_cast<std::size_t>(y * width_ + x)];
   }
-  [[nodiscard]] const std::int8_t* cells() const { return evidence_.data(); }
+  /// Evidence from column `filled().left` of a row on. @param y  within filled().
+  [[nodiscard]] const std::int8_t* row(int y) const {
+    return evidence_.data() + static_cast<std::ptrdiff_t>(y) * width_ + filled_.left;
+  }
 
-  /// Mean colour of the cells around a pixel. @param u,v  inside a picture that has cells.
+  /// Mean colour of the cells around a pixel. @param u,v  inside what was filled.
   [[nodiscard]] Yuv around(int u, int v) const {
     const auto k = static_cast<std::size_t>(std::min(v / step_, height_ - 1) * width_ +
                                             std::min(u / step_, width_ - 1));
@@ -46,9 +64,10 @@ class EvidenceMap {
   static constexpr int kLimit = 40, kOutside = -16;  ///< 2.5 and -1 nats.
 
  private:
-  void read(const Image& image);
+  void read(const Image& image, const CellBox& cells);
 
   int width_ = 0, height_ = 0, step_ = 1;
+  CellBox filled_;
   std::vector<std::uint8_t> y_, u_, v_;  // mean colour of each cell
   std::vector<std::uint8_t> around_y_, around_u_, around_v_;
   std::vector<std::uint16_t> columns_;         // sums of the box filter

@@ -52,14 +52,17 @@ FrameLattice::Frame frame_of(const Eigen::Vector2d& across, const Eigen::Vector2
 
 }  // namespace
 
+double FrameLattice::width_of(std::size_t k) { return kForeshortened[k].width; }
+
 FrameLattice::FrameLattice(std::span<const double> sizes, double max_roll_deg, std::size_t shapes) {
   const int rolls = std::clamp(static_cast<int>(max_roll_deg / kRollStep), 0, kMostRolls);
   for (const double size : sizes) {
-    sizes_.emplace_back();
+    sizes_.push_back({.upright = size, .turns = {}});
     for (int r = -rolls; r <= rolls; ++r) {
-      const auto [sine, cosine] = sincos(r * kRollStep * kPi / 180.0);
+      const double roll = r * kRollStep * kDegree;
+      const auto [sine, cosine] = sincos(roll);
       const Eigen::Vector2d right{cosine, sine}, down = size * Eigen::Vector2d{-sine, cosine};
-      sizes_.back().turns.push_back({side(down), frames_.size(), shapes});
+      sizes_.back().turns.push_back({roll, side(down), frames_.size(), shapes});
       for (std::size_t k = 0; k < shapes; ++k)
         frames_.push_back(frame_of(
             kForeshortened[k].width * size * right + kForeshortened[k].shift * down, down));

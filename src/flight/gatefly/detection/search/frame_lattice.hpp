@@ -40,10 +40,12 @@ class FrameLattice {
   };
   /// Frames that share their upright sides.
   struct Turned {
+    double roll;  ///< [rad]
     Side upright;
     std::size_t first, count;  ///< Range of its frames.
   };
   struct Size {
+    double upright;  ///< [cells]
     std::vector<Turned> turns;
   };
 
@@ -53,6 +55,9 @@ class FrameLattice {
   FrameLattice(std::span<const double> sizes, double max_roll_deg, std::size_t shapes);
 
   static constexpr std::size_t kShapes = 6;
+
+  /// Level by upright sides of the k-th frame of those that share theirs.
+  [[nodiscard]] static double width_of(std::size_t k);
 
   [[nodiscard]] const std::vector<Size>& sizes() const { return sizes_; }
   [[nodiscard]] const Frame& frame(std::size_t i) const { return frames_[i]; }

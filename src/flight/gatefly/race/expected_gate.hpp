@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include "gatefly/detection/quad.hpp"
+#include "gatefly/detection/search_window.hpp"
+#include "gatefly/estimation/eskf/error_state_filter.hpp"
+#include "gatefly/race/association.hpp"
+
+namespace gatefly {
+
+/// Where a picture that has just arrived should show a gate, by what the filter believes.
+struct ExpectedGate {
+  Quad bars_px;         ///< Middle lines of its bars.
+  SearchWindow window;  ///< Three standard deviations around it, of place and heading.
+  bool shows_whole;     ///< Little enough is beyond the border for all four corners to be found.
+};
+
+/// Of a gate with a slot, seen from the side the drone is on. [ours]
+/// @param ago  The picture was exposed so long before now() [s].
+/// @return nullopt: behind the lens, out of the picture, or seen too much from aside.
+[[nodiscard]] std::optional<ExpectedGate> expected_gate(const eskf::ErrorStateFilter& filter,
+                                                        int slot, double ago,
+                                                        const PictureClock& picture);
+
+}  // namespace gatefly
