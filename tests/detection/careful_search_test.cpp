@@ -114,6 +114,14 @@ TEST(CarefulSearch, OutsideOfTheWindowAndOfAnotherSizeNothingIsFound) {
   aside.left = truth[1].x() + 4.0, aside.right = 400.0;
   small.most_side = 0.5 * right.least_side, small.least_side = 0.0;
   empty.right = empty.left - 5.0;
+  const double none = std::nan(""), any = 1e300;
+  for (double SearchWindow::*const edge :
+       {&SearchWindow::left, &SearchWindow::top, &SearchWindow::right, &SearchWindow::bottom})
+    for (const double value : {none, any, -any, HUGE_VAL, -HUGE_VAL}) {
+      SearchWindow nasty = right;
+      nasty.*edge = value;
+      EXPECT_LE(gates_in(nasty), 1u);
+    }
   EXPECT_EQ(gates_in(aside), 0u);
   EXPECT_EQ(gates_in(small), 0u);
   EXPECT_EQ(gates_in(empty), 0u);

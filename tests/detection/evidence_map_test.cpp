@@ -97,7 +97,9 @@ TEST(EvidenceMap, APartIsAsInAMapOfAllAndOutsideOfItThereIsNoGate) {
   EvidenceMap all, part;
   const PictureColor color{kOrange};
   for_all(30, [&](Rng& rng) {
-    const MapPicture picture{any_map_picture(rng)};
+    Canvas canvas = any_map_picture(rng);
+    if (rng.uniform(0.0, 1.0) < 0.1) canvas = Canvas{900, 500}, canvas.add_noise(rng, 60.0, 60.0);
+    const MapPicture picture{canvas};
     const Image& image = picture.image;
     const double left = rng.uniform(-40.0, image.width()), top = rng.uniform(-40.0, image.height());
     const SearchWindow window{
@@ -105,16 +107,17 @@ TEST(EvidenceMap, APartIsAsInAMapOfAllAndOutsideOfItThereIsNoGate) {
     all.fill(image, color), part.fill(image, color, &window);
     ASSERT_EQ(part.width(), all.width());
     const CellBox& cells = part.filled();
+    const int step = part.step();
     for (int y = -1; y <= all.height(); ++y)
       for (int x = -1; x <= all.width(); ++x) {
-        const bool wanted = 2.0 * x + 1.0 >= window.left && 2.0 * x <= window.right &&
-                            2.0 * y + 1.0 >= window.top && 2.0 * y <= window.bottom && x >= 0 &&
+        const bool wanted = step * (x + 1.0) > window.left && step * x <= window.right &&
+                            step * (y + 1.0) > window.top && step * y <= window.bottom && x >= 0 &&
                             y >= 0 && x < all.width() && y < all.height();
         ASSERT_TRUE(!wanted || cells.contains(x, y)) << x << ", " << y;
         ASSERT_EQ(part.at(x, y), cells.contains(x, y) ? all.at(x, y) : EvidenceMap::kOutside);
         if (x >= all.width() || y >= all.height()) continue;
-        ASSERT_EQ(part.at_pixel(image, color, 2 * x, 2 * y),
-                  cells.contains(x, y) ? all.at_pixel(image, color, 2 * x, 2 * y)
+        ASSERT_EQ(part.at_pixel(image, color, step * x, step * y),
+                  cells.contains(x, y) ? all.at_pixel(image, color, step * x, step * y)
                                        : EvidenceMap::kOutside);
       }
   });

@@ -314,6 +314,7 @@ TEST(GateDetector, OnlyTheWindowIsSearchedCarefully) {
     window_here += shows(in_window, here), window_elsewhere += shows(in_window, elsewhere);
   });
   EXPECT_GE(all_elsewhere, 5);
+  EXPECT_GE(all_here, 5);
   EXPECT_GE(window_here, all_here);
   EXPECT_EQ(window_elsewhere, 0);
 }
@@ -329,7 +330,7 @@ TEST(GateDetector, WhereTheExpectedGateStandsOutTheWindowNeedNotBeSearched) {
   EXPECT_TRUE(detector.look(picture.image(), kOrange, others_too).careful);
 }
 
-// What stands out is answered wherever the window is.
+// A gate that stands out is answered wherever the window is.
 TEST(GateDetector, AWindowLosesNoGateThatTheFastSearchFinds) {
   GateDetector detector;
   const ViewPicture picture = picture_of({kAhead});

@@ -354,6 +354,25 @@ TEST(GateTemplates, TryOnlyTheSizesTurnsAndWidthsThatAreAskedFor) {
   EXPECT_GT(2 * found_all, 3 * found_some);
 }
 
+// Small frames are tried with turns of 20 degrees at most: a gate that leans more is looked for with those.
+TEST(GateTemplates, TryTheLargestTurnsWhereMoreAreAskedFor) {
+  GateTemplates templates{60.0};
+  EvidenceMap map;
+  for (const double roll : {0.6, -0.6, 1.4}) {
+    int found = 0;
+    for_all(40, [&](Rng& rng) {
+      fill(map, any_picture(rng));
+      SearchWindow window{.right = 200.0, .bottom = 200.0};
+      window.least_side = 18.0, window.most_side = 22.0;
+      window.least_roll = window.most_roll = roll;
+      GateCandidates some;
+      templates.search(map, 76, some, &window);
+      found += static_cast<int>(some.size());
+    });
+    EXPECT_GT(found, 10) << roll;
+  }
+}
+
 TEST(GateTemplates, FindNothingWhereNothingShowsOrNothingFits) {
   GateTemplates templates{60.0};
   EvidenceMap map;

@@ -35,6 +35,15 @@ std::optional<Quad> previous_of(const LookFor& look_for, const GateDetectorParam
   gates.assign(found.begin(), found.end());
 }
 
+// In a full list the least sure one makes room.
+void add(GateDetections& gates, const GateDetection& gate) {
+  if (gates.push_back(gate)) return;
+  const auto least = std::min_element(gates.begin(), gates.end(), [](const auto& a, const auto& b) {
+    return a.fitness < b.fitness;
+  });
+  if (least->fitness < gate.fitness) *least = gate;
+}
+
 }  // namespace
 
 struct GateDetector::Searches {
@@ -169,8 +178,8 @@ GateDetections GateDetector::everywhere(const Image& image) {
   return in_order(searches_->careful.detect(image, searches_->color), image);
 }
 
-// Keeps sure gates of the fast search, and where only a part of the picture is searched all of them,
-// unless the careful one is surer of a gate in the same place.
+// Keeps the sure gates of the fast search unless the careful one is surer of a gate in the same place;
+// where only a part of the picture is searched, the others, too.
 GateDetections GateDetector::with_gates_beside(const GateDetections& quick, const Image& image,
                                                const SearchWindow* within) {
   careful_ = true;
@@ -181,7 +190,7 @@ GateDetections GateDetector::with_gates_beside(const GateDetections& quick, cons
       return same_place(other.corners_px, gate.corners_px);
     });
     if (same == all.end())
-      (void)all.push_back(gate);
+      add(all, gate);
     else if (gate.fitness > same->fitness)
       *same = gate;
   }

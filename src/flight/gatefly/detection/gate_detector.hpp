@@ -44,8 +44,8 @@ struct LookFor {
   const Quad* expected_bars = nullptr;
   /// No careful search, whatever is found. kOurs.
   bool quick = false;
-  /// All of the picture that is searched carefully, if the expected gate is not found, or in any case where
-  /// `gates` is kAll. kOurs.
+  /// Only this part of the picture is searched carefully; not at all where the expected gate is found
+  /// and sure, unless `gates` is kAll. kOurs.
   const SearchWindow* within = nullptr;
   /// Another request for the last picture and the same colour: reuses the tone measured then.
   /// kOurs, kFast, kCareful.

@@ -17,7 +17,6 @@ double median_of(List& values) {
 }  // namespace
 
 void ArrivalJitter::arrived(double time) {
-  constexpr double kPause = 1.0;          // longer is no interval [s]
   constexpr double kSigmaOfMad = 1.0483;  // 1.4826 of a normal number, by √2 of a difference
   const double interval = time - last_;
   last_ = time;
@@ -30,8 +29,8 @@ void ArrivalJitter::arrived(double time) {
   }
   if (intervals_.size() < kEnough) return;
   auto sorted = intervals_;
-  const double usual = median_of(sorted);
-  for (double& one : sorted) one = std::abs(one - usual);
+  interval_ = median_of(sorted);
+  for (double& one : sorted) one = std::abs(one - interval_);
   sigma_ = std::clamp(kSigmaOfMad * median_of(sorted), kLeast, kMost);
 }
 

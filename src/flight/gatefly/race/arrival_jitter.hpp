@@ -5,7 +5,7 @@
 
 namespace gatefly {
 
-/// How irregularly pictures arrive: what one arrival errs by, one standard deviation.
+/// How often pictures arrive and how irregularly: what one arrival errs by, one standard deviation.
 ///
 /// Ours. From the median absolute deviation of the last intervals, so that lost pictures and pauses
 /// count for nothing; an interval has the errors of two arrivals.
@@ -13,17 +13,20 @@ class ArrivalJitter {
  public:
   static constexpr double kLeast = 0.010;  ///< [s] [a tick of a driver: what nobody can see]
   static constexpr double kMost = 0.060;   ///< [s] [two pictures' time at 30 Hz]
+  static constexpr double kPause = 1.0;    ///< What is longer is no interval [s].
 
   /// A picture arrived at `time` [s].
   void arrived(double time);
   /// Within kLeast and kMost; kLeast while too little is known.
   [[nodiscard]] double sigma() const { return sigma_; }
+  /// From one picture to the next, the median [s]; kPause while too little is known.
+  [[nodiscard]] double interval() const { return interval_; }
 
  private:
   static constexpr std::size_t kKept = 31, kEnough = 8;
   FixedList<double, kKept> intervals_;
   std::size_t oldest_ = 0;
-  double last_ = -1e3, sigma_ = kLeast;
+  double last_ = -1e3, sigma_ = kLeast, interval_ = kPause;
 };
 
 }  // namespace gatefly

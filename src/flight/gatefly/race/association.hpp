@@ -17,7 +17,8 @@ struct PictureClock {
   const CameraTiming& timing;
   double arrival = 0.0;  ///< [s]
   Eigen::Vector2d size_px{315.0, 160.0};
-  double jitter = 0.010;  ///< Standard deviation of the arrival time [s].
+  double jitter = 0.010;    ///< Standard deviation of the arrival time [s].
+  double interval = 0.066;  ///< Usual time from one picture to the next [s].
 };
 
 /// Nullopt: a corner is outside of the lens' field of view.

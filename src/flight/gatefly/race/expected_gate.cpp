@@ -18,15 +18,19 @@ constexpr double kNearest = 0.4;  // before the lens [m]
 // Sine of the angle between the gate's plane and the way to it: the narrowest frame the search knows
 // is .36 as wide as high.
 constexpr double kNarrowest = 0.3;
-// Part of a side that may be beyond the border: corners are found where their sides would cross. [of
-// 315 px pictures of a race: none is found with more]
+// So much of a side may be beyond the border: corners are found where their sides would cross. [ours: of
+// 166 pictures of a race, none was found with more]
 constexpr double kBeyond = 0.25;
-// Around the expected place, beside its sigmas: the gate's own fit and an attitude that is a frame old.
+// Room around the expected place beside its sigmas: the gate's own fit, and an attitude a frame old.
 // [ours: 17 px of 315 at most, where the gate was 80 px wide; 10 where it was 45]
 constexpr double kOfSide = 0.25, kOfDistance = 0.06;
 constexpr double kSigmas = 3.0;
 
 }  // namespace
+
+double place_sigma(const eskf::ErrorStateFilter& filter) {
+  return std::max({filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1), filter.sigma(eskf::kP + 2)});
+}
 
 std::optional<ExpectedGate> expected_gate(const eskf::ErrorStateFilter& filter, int slot,
                                           double ago, const PictureClock& picture) {
@@ -57,14 +61,16 @@ std::optional<ExpectedGate> expected_gate(const eskf::ErrorStateFilter& filter, 
   const Quad& q = expected.bars_px;
   const Eigen::Vector2d down = 0.5 * (q[3] - q[0] + q[2] - q[1]),
                         right = 0.5 * (q[1] - q[0] + q[2] - q[3]);
-  const double upright = down.norm();
-  const double place = std::max(filter.sigma(eskf::kP), filter.sigma(eskf::kP + 1)),
-               aside = distance * filter.sigma(eskf::kTheta + 2),
-               sigma = std::sqrt(place * place + aside * aside), px_per_m = upright / shape.side;
+  const double upright = expected.side_px = down.norm();
+  const double turned = std::max(
+      {filter.sigma(eskf::kTheta), filter.sigma(eskf::kTheta + 1), filter.sigma(eskf::kTheta + 2)});
+  const double place = place_sigma(filter), aside = distance * turned,
+               sigma = std::sqrt(place * place + aside * aside),
+               px_per_m = upright / (shape.side - shape.bar);
   const double beyond = kBeyond * upright + sigma * px_per_m;
   expected.shows_whole = (least > -beyond).all() && (most < end + beyond).all();
   const double margin = kOfSide * upright + (kOfDistance * distance + kSigmas * sigma) * px_per_m;
-  // How much else its shape may be: the way it is seen, and the lattice's own steps aside.
+  // Its shape may differ by so much because of the lens and the fit; more where the place is uncertain.
   constexpr double kWidthPart = 1.4, kRollOff = 8.0 * kDegree;
   constexpr double kLeastPart = 0.6, kMostPart = 1.6, kNearestPart = 0.3;
   const double off = kSigmas * place / distance, width = right.norm() / std::max(1e-9, upright),
@@ -75,8 +81,8 @@ std::optional<ExpectedGate> expected_gate(const eskf::ErrorStateFilter& filter, 
                      .bottom = most.y() + margin,
                      .least_side = kLeastPart * upright / (1.0 + off),
                      .most_side = kMostPart * upright / std::max(kNearestPart, 1.0 - off),
-                     .least_width = width / kWidthPart,
-                     .most_width = width * kWidthPart,
+                     .least_width = width / kWidthPart - off,
+                     .most_width = width * kWidthPart + off,
                      .least_roll = roll - kRollOff,
                      .most_roll = roll + kRollOff,
                      .for_one = true};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "gatefly/geometry/gate_corners.hpp"
 #include "gatefly/geometry/rotation_vector.hpp"
@@ -57,14 +58,16 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   const View view{sensors,
                   course,
                   navigator,
-                  {params_.camera, params_.timing, navigator.time(), size, arrivals_.sigma()}};
+                  {params_.camera, params_.timing, navigator.time(), size, arrivals_.sigma(),
+                   arrivals_.interval()}};
   size_px_ = size;
   const double ago = params_.timing.latency - navigator.error_state()->now().delay;
-  const Attention::SinceTaken since{.any = navigator.time() - last_any_,
-                                    .target = navigator.since_fix()};
+  const Attention::Known known{.since_any = navigator.time() - last_any_,
+                               .since_target = navigator.since_fix(),
+                               .waits = std::exchange(pending_.waits, false)};
   sighting_.detections = whole_gates(
       sensors, sensors.seen ? LookFor{}
-                            : attention_.next(*navigator.error_state(), since, ago, view.picture));
+                            : attention_.next(*navigator.error_state(), known, ago, view.picture));
   sighting_.seen = !sighting_.detections.empty();
   take_whole_gates(view);
   const double x = navigator.error_state()->p_GB().x();
@@ -106,7 +109,7 @@ bool MapLookout::seen_again(const eskf::GateSight& sight) {
   const int face = eskf::face_of(sight);
   const double since = sight.time - pending_.time;
   const bool again = pending_.face == face && since > 0.01 && since < map_.confirm_within;
-  pending_.face = face, pending_.time = sight.time;
+  pending_ = {.face = face, .time = sight.time, .waits = !again};
   return again;
 }
 

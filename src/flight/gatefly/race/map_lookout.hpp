@@ -78,6 +78,7 @@ class MapLookout {
   struct {
     int face = -1;
     double time = -1e3;
+    bool waits = false;            ///< The picture before showed it.
   } pending_;                      ///< Seen once, and not believed before it is seen again.
   Eigen::Vector2d size_px_{0, 0};  ///< Of the last picture.
   double last_any_ = -1e3;         ///< A gate was taken in [s].

@@ -48,8 +48,9 @@ struct SightParams {
   /// A gate that should show is looked for carefully so long after a fix [s], ... [estimate]
   double careful_after = 0.2;
   int careful_every = 6;  ///< ... any gate in every so many pictures in any case. [estimate]
-  /// Who knows less of his place looks for gates wherever they may be; of the filter that has the map
-  /// [m]. [estimate]
+  int blind_every = 3;  ///< ... in every so many where no gate has told for expect_for. [estimate]
+  /// A drone that knows its place no better looks for gates wherever they may be; asked of the filter
+  /// that has the map [m]. [estimate]
   double lost_sigma = 0.8;
   /// Neighbouring pictures share their errors: a heading counts as one of so many. [estimate]
   double heading_repeats = 3.0;

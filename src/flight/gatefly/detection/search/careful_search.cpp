@@ -42,8 +42,8 @@ constexpr double kGuessDoubt = 1.0;
 constexpr double kMuchBent = 2.0;
 constexpr double kShows = 1.0;  // the same of a lens that nobody named
 
-// Places that are looked at closely in a window for one gate, and in another one. [ours: with 16 and 24 the
-// same gates are found in a rendered race]
+// Places that are looked at closely in a window for one gate, and in any other window. [ours: with 16 and
+// 24 the same gates are found in a rendered race]
 constexpr std::size_t kPlacesForOne = 8, kPlacesOfPart = 16;
 
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }

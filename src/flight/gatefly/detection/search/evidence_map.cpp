@@ -87,7 +87,7 @@ void box_mean(const std::vector<std::uint8_t>& from, std::vector<std::uint8_t>& 
 // Cells that a window covers, whole or in part.
 CellBox cells_of(const SearchWindow* window, int width, int height, int step) {
   if (window == nullptr) return {0, 0, width, height};
-  // What is not a number is 0, as what is beyond the left border.
+  // A number that is none counts as 0, like one beyond the left or upper border.
   const auto cell = [step](double px, int end) {
     return px > 0.0 ? static_cast<int>(std::min(px / step, static_cast<double>(end))) : 0;
   };

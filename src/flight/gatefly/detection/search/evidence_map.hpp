@@ -36,8 +36,8 @@ class EvidenceMap {
   /// @param within  of the picture, or null for all of it; what is there is the same as in a map of all.
   void fill(const Image& image, const PictureColor& color, const SearchWindow* within = nullptr);
 
-  [[nodiscard]] int width() const { return width_; }    ///< Of the whole picture [cells].
-  [[nodiscard]] int height() const { return height_; }  ///< Of the whole picture [cells].
+  [[nodiscard]] int width() const { return width_; }    ///< The whole picture's [cells].
+  [[nodiscard]] int height() const { return height_; }  ///< The whole picture's [cells].
   [[nodiscard]] int step() const { return step_; }      ///< Pixels a cell.
   [[nodiscard]] const CellBox& filled() const { return filled_; }
 

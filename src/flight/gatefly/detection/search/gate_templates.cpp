@@ -25,9 +25,9 @@ static_assert(kFull <= kByte, "a side's sum fits");
 // The upright sides may be so much worse than all of a frame. [of the frames that lead to a gate, on
 // all labelled sets, washed-out, blurred and halved ones too, one in 200 has worse ones]
 constexpr int kWorsePair = 26;
-// Frames that are farther apart than these from what is wanted have a nearer neighbour in the lattice.
+// A frame that is farther than this from what is wanted has a neighbour in the lattice that is nearer.
+constexpr double kNarrowest = 0.36;  // of the frames that are tried
 constexpr double kSizeSpacing = 1.25, kWidthSpacing = 1.2, kRollSpacing = 6.0 * kDegree;
-constexpr double kAny = 1e9;
 
 std::uint8_t sample_of(int evidence) {
   return static_cast<std::uint8_t>(std::clamp(kNeutral + evidence / 2, 0, kTop));
@@ -172,9 +172,8 @@ GATEFLY_WIDE std::size_t blocks_with_a_bar(const std::uint8_t* sums, std::ptrdif
 }  // namespace
 
 GateTemplates::GateTemplates(double max_roll_deg)
-    : max_roll_{max_roll_deg * kDegree},
-      // small gates are far: many places, few turns
-      small_{std::array{9.0, 11.0, 13.0}, std::min(max_roll_deg, 20.0), 3},
+    // small gates are far: many places, few turns
+    : small_{std::array{9.0, 11.0, 13.0}, std::min(max_roll_deg, 20.0), 3},
       medium_{std::array{7.5, 9.3, 11.3, 13.4, 15.8}, max_roll_deg, FrameLattice::kShapes},
       large_{std::array{9.0, 11.0, 13.3, 16.0, 19.3}, max_roll_deg, FrameLattice::kShapes} {
   for (auto* bytes : {&peak_, &mean_, &upright_, &best_, &which_})
@@ -221,24 +220,12 @@ void GateTemplates::halve() {
   }
 }
 
-GateTemplates::Tried GateTemplates::tried(const SearchWindow* within, double max_roll) {
-  if (within == nullptr) return {0.0, kAny, -kAny, kAny, 0.0, kAny};
-  // Beyond the largest turn the nearest one is tried.
-  const auto roll = [max_roll](double wanted) { return std::clamp(wanted, -max_roll, max_roll); };
-  return {.least_side = within->least_side / kSizeSpacing,
-          .most_side = within->most_side * kSizeSpacing,
-          .least_roll = roll(within->least_roll) - kRollSpacing,
-          .most_roll = roll(within->most_roll) + kRollSpacing,
-          .least_width = std::min(within->least_width, 1.0) / kWidthSpacing,
-          .most_width = std::max(within->most_width, 0.3) * kWidthSpacing};
-}
-
 void GateTemplates::search(const EvidenceMap& map, int least, GateCandidates& found,
                            const SearchWindow* within) {
   const CellBox& cells = map.filled();
   if (std::min(cells.width(), cells.height()) < 2 * kMargin) return;
   least_ = least;
-  tried_ = tried(within, max_roll_);
+  wanted_ = within != nullptr ? *within : SearchWindow{};
   origin_px_ = map.step() * Eigen::Vector2d{cells.left, cells.top};
   start(map);
   search_level(small_, 1 * map.step(), found);
@@ -269,9 +256,11 @@ void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCand
     return std::max({std::abs(a.in(width)), std::abs(b.in(width)), std::abs(c.in(width))});
   };
   for (const FrameLattice::Size& size : lattice.sizes()) {
-    if (const double side = pool * size.upright;
-        side < tried_.least_side || side > tried_.most_side)
+    const double side = pool * size.upright;
+    if (side * kSizeSpacing < wanted_.least_side || side > wanted_.most_side * kSizeSpacing)
       continue;
+    // Beyond the largest turn, of which small frames have a smaller one, that one is tried.
+    const double most_roll = size.turns.back().roll;
     const std::size_t first = FrameLattice::first_of(size);
     const auto least = static_cast<std::uint8_t>(least_to_keep(found));
     const auto least_pair = static_cast<std::uint8_t>(std::max(0, least - kWorsePair));
@@ -279,7 +268,9 @@ void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCand
     const auto least_side = static_cast<std::uint8_t>(std::max(0, (4 * least_pair - kByte) / 3));
     std::fill_n(best_.begin(), cells, least);
     for (const FrameLattice::Turned& turned : size.turns) {
-      if (turned.roll < tried_.least_roll || turned.roll > tried_.most_roll) continue;
+      if (turned.roll < std::min(wanted_.least_roll, most_roll) - kRollSpacing ||
+          turned.roll > std::max(wanted_.most_roll, -most_roll) + kRollSpacing)
+        continue;
       const std::ptrdiff_t upright_reach = turned.upright.reach.in(width);
       if (2 * upright_reach + kPlaces > cells) continue;
       sum_lines(peak_.data(), in(turned.upright), upright_reach, cells - upright_reach,
@@ -289,7 +280,8 @@ void GateTemplates::search_level(const FrameLattice& lattice, int pool, GateCand
       const std::span<const std::int32_t> blocks{blocks_.data(), count};
       for (std::size_t k = 0; k < turned.count; ++k) {
         if (const double shape = FrameLattice::width_of(k);
-            shape < tried_.least_width || shape > tried_.most_width)
+            shape * kWidthSpacing < std::min(wanted_.least_width, 1.0) ||
+            shape > std::max(wanted_.most_width, kNarrowest) * kWidthSpacing)
           continue;
         const FrameLattice::Frame& f = lattice.frame(turned.first + k);
         const std::ptrdiff_t left = f.left.in(width), upper = f.upper.in(width);

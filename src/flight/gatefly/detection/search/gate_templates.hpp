@@ -38,7 +38,7 @@ class GateTemplates {
 
   /// Adds the best places of what the map has filled to `found`, best first.
   /// @param least  score of a place that is worth a look, 1..255.
-  /// @param within  or null; which frames are tried.
+  /// @param within  says which frames are tried; null: all.
   void search(const EvidenceMap& map, int least, GateCandidates& found,
               const SearchWindow* within = nullptr);
 
@@ -47,14 +47,6 @@ class GateTemplates {
   // room of all.
   using LevelCandidates = FixedList<GateCandidate, 12>;
 
-  // Which frames are tried.
-  struct Tried {
-    double least_side, most_side;    // [px]
-    double least_roll, most_roll;    // [rad]
-    double least_width, most_width;  // of the height
-  };
-
-  [[nodiscard]] static Tried tried(const SearchWindow* within, double max_roll);
   void start(const EvidenceMap& map);
   void halve();
   void search_level(const FrameLattice& lattice, int pool, GateCandidates& found);
@@ -64,7 +56,6 @@ class GateTemplates {
   void keep(const FrameLattice::Frame& frame, int pool, int x, int y, int score,
             LevelCandidates& found);
 
-  double max_roll_;
   FrameLattice small_, medium_, large_;
   std::vector<std::uint8_t> peak_, mean_;   // the pyramid's present level
   std::vector<std::uint8_t> upright_;       // sums along the upright sides of frames
@@ -72,7 +63,7 @@ class GateTemplates {
   std::vector<std::uint8_t> best_, which_;  // best frame of each place
   int width_ = 0, height_ = 0;              // of the level, with its margin [cells]
   Eigen::Vector2d origin_px_{0, 0};         // corner of its first cell
-  Tried tried_;
+  SearchWindow wanted_;                     // the frames that are tried
   int least_ = 0;
   std::size_t worst_ = 0;  // of a full list
 };
