@@ -13,7 +13,7 @@ class ArrivalJitter {
  public:
   static constexpr double kLeast = 0.010;  ///< [s] [a tick of a driver: what nobody can see]
   static constexpr double kMost = 0.060;   ///< [s] [two pictures' time at 30 Hz]
-  static constexpr double kPause = 1.0;    ///< What is longer is no interval [s].
+  static constexpr double kPause = 1.0;    ///< A longer time is no interval [s].
 
   /// A picture arrived at `time` [s].
   void arrived(double time);
