@@ -153,6 +153,32 @@ TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "narrow, and known well enough";
 }
 
+// Waiting before a gate that is not there is no safer than flying on without having seen it.
+TEST(Phase, ASearchThatDriftsTooFarTurnsRoundAndOneThatStillDriftsLandsAtOnce) {
+  Situation s = flying();
+  s.room_beside = 1.0, s.since_fix = 4.0, s.lateral_sigma = 0.6;
+  const double lost = kParams.lost_part * s.room_beside;
+  s.drift_sigma = lost - 0.01;
+  const Transition waits = next_phase(Search{9.0}, s, kParams);
+  ASSERT_TRUE(is<Search>(waits));
+  EXPECT_FALSE(std::get<Search>(waits.phase).stand_at) << "still certain enough";
+  s.drift_sigma = lost + 0.01;
+  const Transition turns = next_phase(Search{9.0}, s, kParams);
+  ASSERT_TRUE(is<Search>(turns));
+  const Search& stand = std::get<Search>(turns.phase);
+  ASSERT_TRUE(stand.stand_at) << "another gate may tell where it is";
+  EXPECT_EQ(stand.since, s.time) << "with a whole turn's time";
+  s.drift_sigma = kParams.hopeless * lost - 0.01;
+  EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams)));
+  s.drift_sigma = kParams.hopeless * lost + 0.01;
+  const Transition down = next_phase(stand, s, kParams);
+  ASSERT_TRUE(is<Land>(down));
+  EXPECT_TRUE(std::get<Land>(down.phase).in_a_hurry) << "it drifts while it sinks, too";
+  EXPECT_EQ(down.reason, AbortReason::kGateNotFound);
+  s.picture_interval = 0.5;
+  EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams))) << "who sees seldom is not yet lost";
+}
+
 TEST(Phase, FoundAgainNearTheGateItHasToBeNearTheAxis) {
   Situation s = flying();
   s.speed = 0.2, s.gate_y = 0.35;

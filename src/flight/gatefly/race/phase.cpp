@@ -22,10 +22,10 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 }
 
 // Nothing has told for so long where it is that it may be as far aside as the next wall.
-bool is_lost(const Situation& now, const PhaseParams& params) {
+bool is_lost(const Situation& now, const PhaseParams& params, double times = 1.0) {
   return params.goes_around && now.to_stop > params.lost_before_stop &&
          now.picture_interval < params.lost_pictures &&
-         now.drift_sigma > std::max(params.lost_sigma, params.lost_part * now.room_beside);
+         now.drift_sigma > times * std::max(params.lost_sigma, params.lost_part * now.room_beside);
 }
 
 bool knows_its_place(const Situation& now, const PhaseParams& params) {
@@ -103,9 +103,12 @@ struct Next {
     const bool found =
         phase.stand_at ? knows_its_place(now, params) : gate_found_again(now, params);
     if (found) return {Straight{}};
+    if (!phase.stand_at && is_lost(now, params)) return {stand_from(now, params)};
+    const bool hopeless = phase.stand_at && is_lost(now, params, params.hopeless);
     const double timeout =
         phase.stand_at ? params.turns * 2 * kPi / phase.rate : params.search_timeout;
-    if (now.time - phase.since > timeout) return {land_from(now), AbortReason::kGateNotFound};
+    if (hopeless || now.time - phase.since > timeout)
+      return {hurry_down_from(now), AbortReason::kGateNotFound};
     return {phase};
   }
   Transition operator()(const Land& phase) const {

@@ -123,7 +123,8 @@ struct PhaseParams {
   double lost_pictures = 0.25;
   double stops_within = 0.4;  ///< Comes to rest so much further on: this long at its speed [s].
   double turn_rate = 1.2;     ///< Turns so fast [rad/s], [estimate]
-  double turns = 1.5;         ///< so often, then it lands. [estimate]
+  double turns = 1.5;         ///< so often, then it lands, [estimate]
+  double hopeless = 1.5;      ///< or once it may have drifted by so many times as much. [ours]
 
   // ... and out of it.
   /// Found again: seen so short ago [s], unless it is too near to be seen whole, [estimate]
