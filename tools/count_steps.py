@@ -3,8 +3,9 @@
 """Instructions of each step of the pilot over a recorded flight, on this processor or an ARM: the same at any load.
 
 usage: count_steps.py x86_64|armv7|aarch64 TAPE TRACK [CONFIG | section.key=value]...
-       count_steps.py --budget [--renew]    of the flight in tests/replay, against tests/c_interface/budget.csv: more than 2 % above it is
-                                            exit 1; 77 where another compiler has built it, or qemu is not installed
+       count_steps.py --budget [--renew]    of the flight in tests/replay, and of a race that it flies, against tests/c_interface/budget.csv:
+                                            more than 2 % (5 % of the race) above it is exit 1; 77 where another compiler has built it, or qemu
+                                            is not installed
 
 TAPE is what build/release/tests/pack_flight makes of a flight's folder; `all`, `checker:N`, `noise`, `stripes:N` after it with a
 comma put such a picture in the place of each of its own: TAPE,checker:8. Counted by qemu's user mode with tools/qemu_count.c as its
@@ -88,19 +89,29 @@ def compiler():
     return subprocess.run([program, "-dumpfullversion"], check=True, capture_output=True, text=True).stdout.strip()
 
 
+def packed(flight, folder):
+    """A flight's folder as a tape: (tape, [does tick i bring a picture], what it was flown with)."""
+    setup = [str(flight / "track.toml"), str(flight / "config-0.toml")]
+    subprocess.run([ROOT / "build/release/tests/pack_flight", flight, folder / "tape", folder / "outputs", "0", *setup], check=True)
+    return *read_tape(str(folder / "tape"), folder), setup
+
+
 def budget(renew):
-    """Compares the means of today with those that are committed."""
+    """Compares the means of today with those that are committed: of the shipped flight, whose pictures are rare and searched whole, and of a
+    race that is flown for it, with pictures at 15 Hz, which are searched where a gate can be."""
     if platform.machine() != "x86_64" or shutil.which("qemu-x86_64") is None:
         print("budget: skipped, not installed: qemu-user, or no x86-64")
         return 77
-    flight = ROOT / "tests/replay/oval_flight"
-    setup = [str(flight / "track.toml"), str(flight / "config-0.toml")]
+    now = {}
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
-        subprocess.run([ROOT / "build/release/tests/pack_flight", flight, folder / "tape", folder / "outputs", "0", *setup], check=True)
-        tape, looks = read_tape(str(folder / "tape"), folder)
-        steps = counted("x86_64", tape, setup, folder)
-    now = {name: round(statistics.mean(steps[i] for i in range(REST, len(steps)) if looks[i] == wanted)) for name, wanted in (("picture", True), ("imu", False))}
+        race = [ROOT / "build/release/apps/gatefly/gatefly", "fly", "oval", "--laps", "1", "--seed", "1", "--frames", "--out", folder / "race"]
+        subprocess.run(race, cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        for of, flight in (("", ROOT / "tests/replay/oval_flight"), ("race ", folder / "race")):
+            tape, looks, setup = packed(flight, folder)
+            steps = counted("x86_64", tape, setup, folder)
+            for name, wanted in (("picture", True), ("imu", False)):
+                now[of + name] = round(statistics.mean(steps[i] for i in range(REST, len(steps)) if looks[i] == wanted))
     if renew:
         BUDGET.write_text("compiler,stage,instructions\n" + "".join(f"{compiler()},{name},{count}\n" for name, count in now.items()))
         return 0
@@ -112,7 +123,8 @@ def budget(renew):
     for row in rows:
         count, allowed = now[row["stage"]], int(row["instructions"])
         print(f"budget: {row['stage']}: {count:,} instructions a step, {100 * (count / allowed - 1):+.2f} %")
-        over += count > 1.02 * allowed
+        # Rendered anew, by a processor with other vector instructions to another last bit, a race takes another course.
+        over += count > (1.05 if row["stage"].startswith("race") else 1.02) * allowed
     return 1 if over else 0
 
 

@@ -82,7 +82,7 @@ struct BarFinder::Snake {
 void BarFinder::read(const Image& image, const PictureColor& color) {
   step_ = std::max({1, (image.width() + kMostColumns - 1) / kMostColumns,
                     (image.height() + kGroup * kMostRows - 1) / (kGroup * kMostRows)});
-  stride_ = kGroup * step_;
+  stride_ = kGroup * step_, groups_of_ = Divisor{stride_};
   groups_ = image.width() / stride_, rows_ = image.height() / stride_;
   for (int r = 0; r < rows_; ++r) {
     const auto row = static_cast<std::size_t>(r);

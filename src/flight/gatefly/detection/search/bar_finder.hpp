@@ -9,6 +9,7 @@
 
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search/evidence_map.hpp"
+#include "gatefly/geometry/divisor.hpp"
 #include "gatefly/geometry/fixed_list.hpp"
 #include "gatefly/sensing/image.hpp"
 
@@ -106,7 +107,7 @@ class BarFinder {
       return finder_.evidence_of(color_, image_.packed_at(u, v), group(u, v));
     }
     [[nodiscard]] std::size_t group(int u, int v) const {
-      return static_cast<std::size_t>(v / finder_.stride_ * kMostGroups + u / finder_.stride_);
+      return static_cast<std::size_t>(finder_.groups_of_(v) * kMostGroups + finder_.groups_of_(u));
     }
 
     const BarFinder& finder_;
@@ -162,6 +163,7 @@ class BarFinder {
   Bars bars_;  // of the picture that was searched last
   int widest_, reach_;
   int step_ = 1, stride_ = kGroup;
+  Divisor groups_of_{kGroup};  // pixels to groups
   // read of the picture; four samples of a row make a group
   int rows_ = 0, groups_ = 0;
   // Sums of each group; beyond either side as at the border. Chromas as PackedYuv has them.

@@ -107,6 +107,7 @@ void EvidenceMap::fill(const Image& image, const PictureColor& color, const Sear
   // Two pixels a cell at least, and as many as it takes.
   step_ = 2;
   while ((image.width() / step_) * (image.height() / step_) > kCells) ++step_;
+  cells_ = Divisor{step_};
   width_ = image.width() / step_, height_ = image.height() / step_;
   if (width_ == 0 || height_ == 0) {
     width_ = height_ = 0, filled_ = {};
@@ -151,14 +152,6 @@ void EvidenceMap::read(const Image& image, const CellBox& cells) {
     image.visit_row(u + other, v + other, step_, cells.width(),
                     [&](Yuv c) { mean(*to_y++, c.y), mean(*to_u++, c.u), mean(*to_v++, c.v); });
   }
-}
-
-int EvidenceMap::at_pixel(const Image& image, const PictureColor& color, int u, int v) const {
-  if (!image.contains(u, v) || filled_.empty()) return kOutside;
-  // The last pixels of a picture may be less than a cell.
-  const int x = std::min(u / step_, width_ - 1), y = std::min(v / step_, height_ - 1);
-  if (!filled_.contains(x, y)) return kOutside;
-  return std::clamp(color.evidence(image.at(u, v), around(u, v)), -kLimit, kLimit);
 }
 
 }  // namespace gatefly

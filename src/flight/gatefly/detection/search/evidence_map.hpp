@@ -8,6 +8,7 @@
 
 #include "gatefly/detection/picture_color.hpp"
 #include "gatefly/detection/search_window.hpp"
+#include "gatefly/geometry/divisor.hpp"
 #include "gatefly/sensing/image.hpp"
 
 namespace gatefly {
@@ -53,20 +54,29 @@ class EvidenceMap {
 
   /// Mean colour of the cells around a pixel. @param u,v  inside what was filled.
   [[nodiscard]] Yuv around(int u, int v) const {
-    const auto k = static_cast<std::size_t>(std::min(v / step_, height_ - 1) * width_ +
-                                            std::min(u / step_, width_ - 1));
-    return {around_y_[k], around_u_[k], around_v_[k]};
+    return around_cell(std::min(cells_(u), width_ - 1), std::min(cells_(v), height_ - 1));
   }
 
   /// Evidence of one pixel, from its colour and the cells around it.
-  [[nodiscard]] int at_pixel(const Image& image, const PictureColor& color, int u, int v) const;
+  [[nodiscard]] int at_pixel(const Image& image, const PictureColor& color, int u, int v) const {
+    if (!image.contains(u, v)) return kOutside;
+    // The last pixels of a picture may be less than a cell.
+    const int x = std::min(cells_(u), width_ - 1), y = std::min(cells_(v), height_ - 1);
+    if (!filled_.contains(x, y)) return kOutside;
+    return std::clamp(color.evidence(image.at(u, v), around_cell(x, y)), -kLimit, kLimit);
+  }
 
   static constexpr int kLimit = 40, kOutside = -16;  ///< 2.5 and -1 nats.
 
  private:
   void read(const Image& image, const CellBox& cells);
+  [[nodiscard]] Yuv around_cell(int x, int y) const {
+    const auto k = static_cast<std::size_t>(y * width_ + x);
+    return {around_y_[k], around_u_[k], around_v_[k]};
+  }
 
-  int width_ = 0, height_ = 0, step_ = 1;
+  int width_ = 0, height_ = 0, step_ = 2;
+  Divisor cells_{2};  // pixels to cells
   CellBox filled_;
   std::vector<std::uint8_t> y_, u_, v_;  // mean colour of each cell
   std::vector<std::uint8_t> around_y_, around_u_, around_v_;

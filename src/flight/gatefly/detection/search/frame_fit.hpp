@@ -14,6 +14,7 @@
 #include "gatefly/detection/lens_bend.hpp"
 #include "gatefly/detection/quad.hpp"
 #include "gatefly/detection/search/frame.hpp"
+#include "gatefly/geometry/divisor.hpp"
 #include "gatefly/geometry/exponential.hpp"
 
 namespace gatefly {
@@ -292,14 +293,17 @@ class FrameFit {
   // Every value becomes the mean of those within `half` of it: of a bar's width instead of a line.
   template <int kCount>
   static void widen(Strip<kCount>& s, int reach, int half) {
+    const Divisor mean{2 * half + 1};
     for (auto& value : s.value) {
       const auto narrow = value;
-      for (int o = -reach; o <= reach; ++o) {
-        int sum = 0;
-        for (int k = -half; k <= half; ++k)
-          sum += narrow[static_cast<std::size_t>(o + k + kMostReach)];
-        value[static_cast<std::size_t>(o + kMostReach)] =
-            static_cast<std::int16_t>(sum / (2 * half + 1));
+      const auto at = [&narrow](int o) { return int{narrow[static_cast<std::size_t>(o)]}; };
+      int sum = 0;
+      for (int o = kMostReach - reach - half; o < kMostReach - reach + half; ++o) sum += at(o);
+      for (int o = kMostReach - reach; o <= kMostReach + reach; ++o) {
+        sum += at(o + half);
+        value[static_cast<std::size_t>(o)] =
+            static_cast<std::int16_t>(sum < 0 ? -mean(-sum) : mean(sum));
+        sum -= at(o - half);
       }
     }
   }
