@@ -18,8 +18,8 @@ class Divisor {
   /// Quotient, rounded down. The reciprocal is too large by less than 2^-32: exact where dividend times
   /// divisor is below 2^32. @param dividend  0 or more
   [[nodiscard]] constexpr int operator()(int dividend) const {
-    return static_cast<int>(
-        (std::uint64_t{static_cast<std::uint32_t>(dividend)} * reciprocal_) >> 32);
+    return static_cast<int>((std::uint64_t{static_cast<std::uint32_t>(dividend)} * reciprocal_) >>
+                            32);
   }
 
  private:
