@@ -56,7 +56,7 @@ REDUCED = {
     "fly oval --set randomize.level=none --out out/oval-nominal": IDEAL,
     "fly --set control.speed_mps=1.4 --config my.toml": IDEAL,
     "campaign showroom --runs 100 --vision ideal --out out/seeds": ("--runs 100", "--runs 2"),
-    "campaign showroom --vision ideal --set faults.missing_gate=3 --first-seed 1101 --runs 40": ("--runs 40", "--runs 4"),
+    "campaign showroom --vision ideal --set faults.missing_gate=1 --first-seed 1101 --runs 40": ("--runs 40", "--runs 4"),
     "campaign oval --runs 40 --vision ideal": ("--runs 40", "--runs 2"),
     "campaign --faults": ("--faults", "--faults --runs 1 --only F1 --laps 1"),
     "campaign showroom --runs 12 --vision ideal --set randomize.jet_mps=0.3 --set randomize.shear_per_s=0.1 --set randomize.wash=1":

@@ -112,7 +112,8 @@ TEST(Phase, ResumesWhenTheGateIsFoundAndGivesUpWhenItIsNot) {
   s.shows_whole = true;
   s.time = 9.0 + kParams.search_timeout + 0.1;
   const Transition t = next_phase(Search{9.0}, s, kParams);
-  EXPECT_TRUE(is<Land>(t));
+  ASSERT_TRUE(is<Land>(t));
+  EXPECT_TRUE(std::get<Land>(t.phase).in_a_hurry) << "where it is grows less certain";
   EXPECT_EQ(t.reason, AbortReason::kGateNotFound);
 }
 
@@ -145,7 +146,8 @@ TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
   EXPECT_TRUE(is<Straight>(next_phase(stand, told, kParams))) << "goes on along its way";
   s.time += kParams.turns * 2 * kPi / kParams.turn_rate + 0.1;
   const Transition given_up = next_phase(stand, s, kParams);
-  EXPECT_TRUE(is<Land>(given_up));
+  ASSERT_TRUE(is<Land>(given_up));
+  EXPECT_TRUE(std::get<Land>(given_up.phase).in_a_hurry);
   EXPECT_EQ(given_up.reason, AbortReason::kGateNotFound);
   s.room_beside = 3.0;
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams))) << "with room enough it flies on";
@@ -154,29 +156,68 @@ TEST(Phase, StandsAndTurnsRoundWhereThePlaceIsTooUncertainForTheRoom) {
 }
 
 // Waiting before a gate that is not there is no safer than flying on without having seen it.
-TEST(Phase, ASearchThatDriftsTooFarTurnsRoundAndOneThatStillDriftsLandsAtOnce) {
+TEST(Phase, ASearchThatDriftsTooFarTurnsRoundAndGoesBackToItsPlace) {
   Situation s = flying();
-  s.room_beside = 1.0, s.since_fix = 4.0, s.lateral_sigma = 0.6;
+  s.room_beside = 1.0, s.since_fix = 4.0, s.lateral_sigma = 0.6, s.gate_x = -1.9;
+  const Search waiting{9.0, -2.4};
+  const auto stands = [&](const Situation& now, const PhaseParams& params) {
+    const Transition t = next_phase(waiting, now, params);
+    return is<Search>(t) && std::get<Search>(t.phase).stand_at.has_value();
+  };
   const double lost = kParams.lost_part * s.room_beside;
   s.drift_sigma = lost - 0.01;
-  const Transition waits = next_phase(Search{9.0}, s, kParams);
-  ASSERT_TRUE(is<Search>(waits));
-  EXPECT_FALSE(std::get<Search>(waits.phase).stand_at) << "still certain enough";
+  EXPECT_FALSE(stands(s, kParams)) << "still certain enough";
   s.drift_sigma = lost + 0.01;
-  const Transition turns = next_phase(Search{9.0}, s, kParams);
-  ASSERT_TRUE(is<Search>(turns));
-  const Search& stand = std::get<Search>(turns.phase);
-  ASSERT_TRUE(stand.stand_at) << "another gate may tell where it is";
-  EXPECT_EQ(stand.since, s.time) << "with a whole turn's time";
-  s.drift_sigma = kParams.hopeless * lost - 0.01;
+  EXPECT_TRUE(stands(s, kParams)) << "another gate may tell where it is";
+  Situation rare = s, before_stop = s;
+  rare.picture_interval = 0.5, before_stop.to_stop = 1.0;
+  EXPECT_FALSE(stands(rare, kParams)) << "a turn would pass over the gates";
+  EXPECT_FALSE(stands(before_stop, kParams));
+  PhaseParams of_paper = kParams;
+  of_paper.goes_around = false;
+  EXPECT_FALSE(stands(s, of_paper));
+
+  const Phase stand = next_phase(waiting, s, kParams).phase;
+  s.time += 3.0, s.drift_sigma = 0.1;
+  const Transition back = next_phase(stand, s, kParams);
+  ASSERT_TRUE(is<Search>(back));
+  const Search& again = std::get<Search>(back.phase);
+  EXPECT_FALSE(again.stand_at);
+  EXPECT_EQ(again.gate_x, -2.4);
+  EXPECT_EQ(again.since, 9.0) << "or it would search for ever";
+  s.time = 9.0 + kParams.search_timeout + 0.1;
+  EXPECT_TRUE(is<Land>(next_phase(again, s, kParams)));
+}
+
+TEST(Phase, AStandThatDriftsOnLandsAtOnce) {
+  Situation s = flying();
+  s.room_beside = 1.0;
+  const double lost = kParams.lost_part * s.room_beside;
+  s.drift_sigma = lost + 0.01;
+  const Phase stand = next_phase(Straight{}, s, kParams).phase;
+  ASSERT_TRUE(std::get<Search>(stand).stand_at);
+  s.drift_sigma = kParams.hopeless * (lost + 0.01) - 0.01;
   EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams)));
-  s.drift_sigma = kParams.hopeless * lost + 0.01;
+  s.drift_sigma += 0.02;
   const Transition down = next_phase(stand, s, kParams);
   ASSERT_TRUE(is<Land>(down));
   EXPECT_TRUE(std::get<Land>(down.phase).in_a_hurry) << "it drifts while it sinks, too";
   EXPECT_EQ(down.reason, AbortReason::kGateNotFound);
-  s.picture_interval = 0.5;
-  EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams))) << "who sees seldom is not yet lost";
+  Situation doubted = s, rare = s;
+  doubted.since_doubt = 0.5, rare.picture_interval = 0.5;
+  EXPECT_TRUE(is<Search>(next_phase(stand, doubted, kParams))) << "gates are in view";
+  EXPECT_TRUE(is<Search>(next_phase(stand, rare, kParams)))
+      << "it sees seldom, and is not yet lost";
+}
+
+// Where there is less room all at once, it has a look round first.
+TEST(Phase, AStandThatBeganWithALargeDriftIsGivenItsTurn) {
+  Situation s = flying();
+  s.room_beside = 0.3, s.drift_sigma = 2.0;
+  const Phase stand = next_phase(Straight{}, s, kParams).phase;
+  ASSERT_TRUE(is<Search>(next_phase(Straight{}, s, kParams)));
+  s.time += 0.01;
+  EXPECT_TRUE(is<Search>(next_phase(stand, s, kParams)));
 }
 
 TEST(Phase, FoundAgainNearTheGateItHasToBeNearTheAxis) {

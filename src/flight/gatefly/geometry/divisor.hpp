@@ -9,21 +9,19 @@ namespace gatefly {
 /// for dividing whole numbers, and calls a function each time. [ours]
 class Divisor {
  public:
-  /// @param by  2 or more
+  /// @param by  1 or more
   explicit constexpr Divisor(int by)
-      : reciprocal_{
-            static_cast<std::uint32_t>(((std::uint64_t{1} << 32) + static_cast<unsigned>(by) - 1) /
-                                       static_cast<unsigned>(by))} {}
+      : reciprocal_{((std::uint64_t{1} << 32) + static_cast<unsigned>(by) - 1) /
+                    static_cast<unsigned>(by)} {}
 
   /// Quotient, rounded down. The reciprocal is too large by less than 2^-32: exact where dividend times
   /// divisor is below 2^32. @param dividend  0 or more
   [[nodiscard]] constexpr int operator()(int dividend) const {
-    return static_cast<int>((std::uint64_t{static_cast<std::uint32_t>(dividend)} * reciprocal_) >>
-                            32);
+    return static_cast<int>((static_cast<unsigned>(dividend) * reciprocal_) >> 32);
   }
 
  private:
-  std::uint32_t reciprocal_;
+  std::uint64_t reciprocal_;  ///< 2^32 / by, rounded up.
 };
 
 }  // namespace gatefly

@@ -49,11 +49,14 @@ double Course::room_beside(double distance) const {
   const std::size_t way =
       passed_ == 0 || legs == 0 ? 0 : 1 + static_cast<std::size_t>(passed_ - 1) % legs;
   double room = 1e9;
-  if (approach_ || way >= plan_.room_beside.size()) return room;
+  if (way >= plan_.room_beside.size()) return room;
   const std::vector<double>& beside = plan_.room_beside[way];
-  const auto last = static_cast<std::size_t>((progress_ + distance) / kRoomStep);
-  for (auto i = static_cast<std::size_t>(progress_ / kRoomStep); i <= last && i < beside.size();
-       ++i)
+  // An approach ends where its leg does.
+  const double length = kRoomStep * static_cast<double>(beside.size()),
+               begins = approach_ ? std::max(0.0, length - approach_->length()) : 0.0,
+               here = begins + progress_;
+  const auto last = static_cast<std::size_t>((here + distance) / kRoomStep);
+  for (auto i = static_cast<std::size_t>(here / kRoomStep); i <= last && i < beside.size(); ++i)
     room = std::min(room, beside[i]);
   return room;
 }

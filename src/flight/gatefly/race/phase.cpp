@@ -22,10 +22,19 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 }
 
 // Nothing has told for so long where it is that it may be as far aside as the next wall.
-bool is_lost(const Situation& now, const PhaseParams& params, double times = 1.0) {
+double most_drift(const Situation& now, const PhaseParams& params) {
+  return std::max(params.lost_sigma, params.lost_part * now.room_beside);
+}
+
+bool is_lost(const Situation& now, const PhaseParams& params) {
   return params.goes_around && now.to_stop > params.lost_before_stop &&
-         now.picture_interval < params.lost_pictures &&
-         now.drift_sigma > times * std::max(params.lost_sigma, params.lost_part * now.room_beside);
+         now.picture_interval < params.lost_pictures && now.drift_sigma > most_drift(now, params);
+}
+
+// A stand that drifts on. Gates in view, though they contradict, may tell where it is.
+bool is_hopeless(const Search& stand, const Situation& now, const PhaseParams& params) {
+  return is_lost(now, params) && now.since_doubt > params.doubt_settles &&
+         now.drift_sigma > params.hopeless * std::max(stand.drift, most_drift(now, params));
 }
 
 bool knows_its_place(const Situation& now, const PhaseParams& params) {
@@ -50,8 +59,23 @@ Phase search_from(const Situation& now, const PhaseParams& params) {
   return Search{now.time, std::max(wanted, -room)};
 }
 Phase stand_from(const Situation& now, const PhaseParams& params) {
-  return Search{now.time, now.gate_x, now.p_EB + params.stops_within * now.v_E, now.yaw,
-                params.turn_rate};
+  return Search{.since = now.time,
+                .gate_x = now.gate_x,
+                .stand_at = now.p_EB + params.stops_within * now.v_E,
+                .yaw = now.yaw,
+                .rate = params.turn_rate,
+                .drift = now.drift_sigma};
+}
+// The waiting place and its time are kept.
+Phase stand_from(const Search& search, const Situation& now, const PhaseParams& params) {
+  Search stand = std::get<Search>(stand_from(now, params));
+  stand.gate_x = search.gate_x, stand.waited_since = search.since;
+  return stand;
+}
+// A stand that knows its place goes back to where it was on its way to.
+Phase after(const Search& stand) {
+  if (stand.waited_since) return Search{*stand.waited_since, stand.gate_x};
+  return Straight{};
 }
 Phase turn_from(const Situation& now) {
   return Turn{{.yaw = now.yaw, .v_F = {now.forward_speed, 0, 0}}};
@@ -100,16 +124,16 @@ struct Next {
     return next;
   }
   Transition operator()(const Search& phase) const {
-    const bool found =
-        phase.stand_at ? knows_its_place(now, params) : gate_found_again(now, params);
-    if (found) return {Straight{}};
-    if (!phase.stand_at && is_lost(now, params)) return {stand_from(now, params)};
-    const bool hopeless = phase.stand_at && is_lost(now, params, params.hopeless);
-    const double timeout =
-        phase.stand_at ? params.turns * 2 * kPi / phase.rate : params.search_timeout;
-    if (hopeless || now.time - phase.since > timeout)
-      return {hurry_down_from(now), AbortReason::kGateNotFound};
-    return {phase};
+    const Transition give_up{hurry_down_from(now), AbortReason::kGateNotFound};
+    const double waited = now.time - phase.since;
+    if (phase.stand_at) {
+      if (knows_its_place(now, params)) return {after(phase)};
+      const bool late = waited > params.turns * 2 * kPi / phase.rate;
+      return late || is_hopeless(phase, now, params) ? give_up : Transition{phase};
+    }
+    if (gate_found_again(now, params)) return {Straight{}};
+    if (waited > params.search_timeout) return give_up;
+    return {is_lost(now, params) ? stand_from(phase, now, params) : phase};
   }
   Transition operator()(const Land& phase) const {
     const bool late = now.time - phase.since > params.land_timeout;

@@ -30,6 +30,9 @@ struct Search {
   std::optional<Eigen::Vector2d> stand_at = std::nullopt;  ///< Here instead, turning round [m], ...
   double yaw = 0.0;                                        ///< ... from this heading [rad] ...
   double rate = 1.2;                                       ///< ... so fast [rad/s].
+  double drift = 0.0;  ///< Situation::drift_sigma when a stand began [m].
+  /// Since when it had waited before the gate, where a stand interrupts that [s].
+  std::optional<double> waited_since = std::nullopt;
 };
 /// All gates passed, or given up: level, down.
 struct Land {
@@ -74,6 +77,7 @@ struct Situation {
   /// Drift of p_EB since a gate last confirmed or contradicted it: one standard deviation along the
   /// worse axis [m]. The map's own error is not in it.
   double drift_sigma = 0.0;
+  double since_doubt = 1e9;    ///< Since gates in view contradicted the place [s].
   double room_beside = 1e9;    ///< From the outline to anything solid while it could stop [m].
   double speed = 0.0;          ///< [m/s]
   double forward_speed = 0.0;  ///< [m/s]
@@ -121,10 +125,11 @@ struct PhaseParams {
   double lost_before_stop = 1.5;
   /// With rarer pictures than this a turn would pass over the gates: the drone flies on [s]. [ours]
   double lost_pictures = 0.25;
-  double stops_within = 0.4;  ///< Comes to rest so much further on: this long at its speed [s].
-  double turn_rate = 1.2;     ///< Turns so fast [rad/s], [estimate]
-  double turns = 1.5;         ///< so often, then it lands, [estimate]
-  double hopeless = 1.5;      ///< or once it may have drifted by so many times as much. [ours]
+  double stops_within = 0.4;   ///< Comes to rest so much further on: this long at its speed [s].
+  double turn_rate = 1.2;      ///< Turns so fast [rad/s], [estimate]
+  double turns = 1.5;          ///< so often, then it lands, [estimate]
+  double hopeless = 1.5;       ///< or once it may have drifted by so many times as much [ours]
+  double doubt_settles = 1.0;  ///< and no gate has contradicted that for so long [s]. [estimate]
 
   // ... and out of it.
   /// Found again: seen so short ago [s], unless it is too near to be seen whole, [estimate]

@@ -176,6 +176,7 @@ Situation Pilot::situation() {
   s.lateral_sigma = now.lateral_sigma;
   s.p_EB = now.p_EB.head<2>(), s.v_E = now.v_E.head<2>();
   s.drift_sigma = drift_sigma(now);
+  s.since_doubt = now.since_doubt;
   s.speed = now.v_B.head<2>().norm();
   s.room_beside = parts_->course.room_beside(0.5 * s.speed * s.speed / Braking{}.on_the_way + 0.5);
   s.yaw = now.attitude.yaw;
