@@ -10,7 +10,7 @@
 #   no_simulator_whole   the same, everything built anew for it; before a release
 #   armv7, aarch64   the flight code's tests and a recorded race by qemu, as on this processor
 #   realtime     no step allocates, locks or calls the system (clang 22)
-#   budget       a step takes at most 2 % more instructions than tests/c_interface/budget.csv says
+#   budget       a step takes at most 2 % more instructions than tests/c_interface/budget.csv says, 5 % in the race
 #   stack        a step of our modes takes at most 32 KB of stack, and nothing in it calls itself
 #   companion    preset companion builds, with g++ 11, too, where that is installed, and replays
 set -uo pipefail

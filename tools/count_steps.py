@@ -102,23 +102,28 @@ def budget(renew):
     if platform.machine() != "x86_64" or shutil.which("qemu-x86_64") is None:
         print("budget: skipped, not installed: qemu-user, or no x86-64")
         return 77
+    rows = list(csv.DictReader(BUDGET.open()))
+    if not renew and rows[0]["compiler"] != compiler():
+        print(f"budget: skipped, counted with g++ {rows[0]['compiler']}, this is {compiler()}")
+        return 77
     now = {}
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         race = [ROOT / "build/release/apps/gatefly/gatefly", "fly", "oval", "--laps", "1", "--seed", "1", "--frames", "--out", folder / "race"]
-        subprocess.run(race, cwd=ROOT, check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        flown = subprocess.run(race, cwd=ROOT, check=False, capture_output=True, text=True)
+        if flown.returncode not in (0, 1):  # 1: not finished, and has its pictures all the same
+            sys.exit(flown.stdout + flown.stderr)
         for of, flight in (("", ROOT / "tests/replay/oval_flight"), ("race ", folder / "race")):
             tape, looks, setup = packed(flight, folder)
             steps = counted("x86_64", tape, setup, folder)
+            print(f"budget: {flight.name}: {len(looks)} steps, {sum(looks)} pictures")
             for name, wanted in (("picture", True), ("imu", False)):
                 now[of + name] = round(statistics.mean(steps[i] for i in range(REST, len(steps)) if looks[i] == wanted))
     if renew:
         BUDGET.write_text("compiler,stage,instructions\n" + "".join(f"{compiler()},{name},{count}\n" for name, count in now.items()))
         return 0
-    rows = list(csv.DictReader(BUDGET.open()))
-    if rows[0]["compiler"] != compiler():
-        print(f"budget: skipped, counted with g++ {rows[0]['compiler']}, this is {compiler()}")
-        return 77
+    if {row["stage"] for row in rows} != set(now):
+        sys.exit(f"budget: {BUDGET.name} has not the stages {', '.join(now)}")
     over = 0
     for row in rows:
         count, allowed = now[row["stage"]], int(row["instructions"])
