@@ -214,7 +214,7 @@ void bind_race(py::module_& m) {
           "track", [](const Race& race) { return race.race().identity.track; }, "The track's name.")
       .def_property_readonly(
           "seed", [](const Race& race) { return race.race().identity.seed; },
-          "Random seed: the day that [randomize] draws.")
+          "Random seed: from it [randomize] draws the world.")
       .def_property_readonly(
           "vision", [](const Race& race) { return race.race().identity.vision; },
           "'rendered' or 'ideal'.");

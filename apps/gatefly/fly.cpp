@@ -204,7 +204,7 @@ void declare_fly(Command& command) {
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").show_default();
   command.flag("--list", options->list,
                "instead of flying: the tracks there are, with gates, laps, room and camera");
-  command.option("--seed", options->seed, "random seed: the day that [randomize] draws")
+  command.option("--seed", options->seed, "random seed: from it [randomize] draws the world")
       .show_default();
   command.option("--out", options->out, "folder for the flight [out/TRACK-SEED]").path("DIR");
   command.flag("--video", options->video,

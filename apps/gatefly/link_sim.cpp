@@ -198,7 +198,7 @@ void declare_link_sim(Command& command) {
       "Exit code 0: all gates passed, and landed; 1: not; 2: unusable arguments, or no controller; "
       "130: Ctrl-C.");
   command.option("TRACK", options->race.track, "a name in tracks/ or a file").required();
-  command.option("--seed", options->seed, "which day").show_default();
+  command.option("--seed", options->seed, "random seed, as of fly").show_default();
   command.option("--laps", options->race.laps, "instead of the track's own number").between(1, 100);
   command
       .option("--autopilot", options->controller,

@@ -226,7 +226,7 @@ int render(const RenderOptions& options) {
   const auto last_day = static_cast<std::uint64_t>((options.frames - 1) / options.per_day);
   if (options.seed > std::numeric_limits<std::uint64_t>::max() - last_day)
     throw std::runtime_error("--seed " + std::to_string(options.seed) + ": " +
-                             std::to_string(last_day + 1) + " days from there on have no seeds");
+                             std::to_string(last_day + 1) + " worlds from there on have no seeds");
   tasks::ConfigArguments config = options.common;
   if (options.varied) config.settings.insert(config.settings.begin(), "randomize.level=hard");
   if (options.fast) config.settings.push_back("sim.camera_quality=fast");
@@ -263,7 +263,7 @@ int render(const RenderOptions& options) {
     return kDone;
   }
   std::cout << files::amount(order.pictures, "picture") << " of " << race.identity.track << ", "
-            << files::amount(simulated_race::days_of(order), "day") << ": " << (out / "").string()
+            << files::amount(simulated_race::days_of(order), "seed") << ": " << (out / "").string()
             << '\n';
   return kDone;
 }
@@ -281,9 +281,9 @@ void declare_render(Command& command) {
       "shows.");
   command.option("TRACK", options->track, "a name in tracks/ or a file").show_default();
   command.option("--frames", options->frames, "how many pictures").between(1, 1000000);
-  command.option("--seed", options->seed, "the first day; each day has its own world and light")
+  command.option("--seed", options->seed, "the first; each seed has its own world and light")
       .show_default();
-  command.option("--per-day", options->per_day, "pictures of one day")
+  command.option("--per-day", options->per_day, "pictures of one seed")
       .between(1, 100000)
       .show_default();
   command
@@ -295,13 +295,13 @@ void declare_render(Command& command) {
       .option("--recording", options->recording,
               "raw: PNG; jpeg: as careful as the authors' picked ones; mjpeg-low: as their video; "
               "varied: "
-              "jpeg or mjpeg-low, by day")
+              "jpeg or mjpeg-low, by the seed")
       .one_of({"raw", "jpeg", "mjpeg-low", "varied"})
       .show_default();
   command.flag("--masks", options->masks, "a mask beside each picture");
   command.flag(
       "--varied", options->varied,
-      "domain randomisation, for training: each day other lamps, surfaces, gates, clutter, "
+      "domain randomisation, for training: with each seed other lamps, surfaces, gates, clutter, "
       "camera and sensor");
   command.flag("--fast", options->fast,
                "one ray a pixel, no blur or glare: sim.camera_quality=fast");

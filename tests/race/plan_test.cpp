@@ -279,9 +279,18 @@ TEST(Plan, KnowsTheRoomBesideItsWay) {
       std::min_element(room.begin(), room.end() - 4);  // beyond is the gate's own frame
   EXPECT_NEAR(*least, 1.2 - params.body_radius, 0.02);
   EXPECT_NEAR(static_cast<double>(least - room.begin()) * kRoomStep, 5.0, 0.6);
-  const Course course{track, params};
+  Course course{track, params};
   EXPECT_GT(course.room_beside(2.0), 2.5) << "not there yet";
   EXPECT_NEAR(course.room_beside(6.0), *least, 1e-9);
+
+  // After a search a straight approach takes the place of the leg, and ends where it ends.
+  NavigationState now;
+  now.p_GB = {-7.0, 0.0, 0.0};
+  course.approach_straight(now);
+  EXPECT_NEAR(course.room_beside(3.0), *least, 1e-9) << "from 7 m before the gate it lies ahead";
+  now.p_GB = {-4.0, 0.0, 0.0};
+  course.approach_straight(now);
+  EXPECT_GT(course.room_beside(1.0), *least + 0.1) << "from 4 m it lies behind";
 }
 
 // A wall with a gap of 1 m: 2 x 0.55 m are wanted, 2 x 0.47 m are flown where nothing else is there.

@@ -21,11 +21,12 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
   return unseen || off_axis;
 }
 
-// Nothing has told for so long where it is that it may be as far aside as the next wall.
+// How far it may have drifted and still fly on.
 double most_drift(const Situation& now, const PhaseParams& params) {
   return std::max(params.lost_sigma, params.lost_part * now.room_beside);
 }
 
+// Nothing has told for so long where it is that it may be as far aside as the next wall.
 bool is_lost(const Situation& now, const PhaseParams& params) {
   return params.goes_around && now.to_stop > params.lost_before_stop &&
          now.picture_interval < params.lost_pictures && now.drift_sigma > most_drift(now, params);

@@ -54,14 +54,13 @@ class EvidenceMap {
 
   /// Mean colour of the cells around a pixel. @param u,v  inside what was filled.
   [[nodiscard]] Yuv around(int u, int v) const {
-    return around_cell(std::min(cells_(u), width_ - 1), std::min(cells_(v), height_ - 1));
+    return around_cell(cell_of(u, width_), cell_of(v, height_));
   }
 
   /// Evidence of one pixel, from its colour and the cells around it.
   [[nodiscard]] int at_pixel(const Image& image, const PictureColor& color, int u, int v) const {
     if (!image.contains(u, v)) return kOutside;
-    // The last pixels of a picture may be less than a cell.
-    const int x = std::min(cells_(u), width_ - 1), y = std::min(cells_(v), height_ - 1);
+    const int x = cell_of(u, width_), y = cell_of(v, height_);
     if (!filled_.contains(x, y)) return kOutside;
     return std::clamp(color.evidence(image.at(u, v), around_cell(x, y)), -kLimit, kLimit);
   }
@@ -70,6 +69,8 @@ class EvidenceMap {
 
  private:
   void read(const Image& image, const CellBox& cells);
+  // The last pixels of a picture may be less than a cell.
+  [[nodiscard]] int cell_of(int px, int cells) const { return std::min(cells_(px), cells - 1); }
   [[nodiscard]] Yuv around_cell(int x, int y) const {
     const auto k = static_cast<std::size_t>(y * width_ + x);
     return {around_y_[k], around_u_[k], around_v_[k]};
