@@ -36,7 +36,7 @@ struct RenderOptions {
   CommonOptions common;
   DroneOptions drone;
   std::string track = "showroom", recording = "jpeg", out;
-  int frames = 0, per_day = 40, jobs = 0;
+  int frames = 0, per_seed = 40, jobs = 0;
   double around = 30.0;
   std::uint64_t seed = 1;
   bool masks = false, varied = false, fast = false, json = false;
@@ -110,7 +110,7 @@ Rows rows_of(const simulated_race::Picture& picture, const std::string& name) {
   return rows;
 }
 
-/// Renders days on several threads into a folder.
+/// Renders seeds on several threads into a folder.
 class Studio {
  public:
   Studio(const simulated_race::RaceMaker& maker, const simulated_race::PictureOrder& order,
@@ -125,7 +125,7 @@ class Studio {
   /// @throws whatever a worker threw, Interrupted after Ctrl-C.
   void work(int jobs, bool quiet) {
     std::vector<std::thread> workers;
-    for (int i = 0; i < jobs; ++i) workers.emplace_back([this] { days(); });
+    for (int i = 0; i < jobs; ++i) workers.emplace_back([this] { seeds(); });
     Progress progress(quiet, 200.0);
     while (ended_ < jobs) {
       std::this_thread::sleep_for(std::chrono::milliseconds{100});
@@ -138,7 +138,7 @@ class Studio {
     for (std::thread& worker : workers) worker.join();
     progress.clear();
     if (error_) std::rethrow_exception(error_);
-    if (done_ < order_.pictures) throw Interrupted{};  // between two days
+    if (done_ < order_.pictures) throw Interrupted{};  // between two seeds
   }
 
   [[nodiscard]] Rows rows() const {
@@ -152,12 +152,12 @@ class Studio {
   }
 
  private:
-  void days() {
+  void seeds() {
     try {
-      const std::size_t count = simulated_race::days_of(order_);
-      for (std::size_t day = next_++; day < count && !stop_ && !interrupted(); day = next_++)
-        simulated_race::render_day(
-            maker_, order_, day,
+      const std::size_t count = simulated_race::seeds_of(order_);
+      for (std::size_t nth = next_++; nth < count && !stop_ && !interrupted(); nth = next_++)
+        simulated_race::render_seed(
+            maker_, order_, nth,
             [&](simulated_race::Picture&& picture) {
               keep(picture);
               return true;
@@ -223,10 +223,11 @@ int render(const RenderOptions& options) {
   files::check_output_folder("--out", out);
   files::refuse_foreign_folder(out, "render.json", {"pictures", "\"recording\""},
                                "choose another --out");
-  const auto last_day = static_cast<std::uint64_t>((options.frames - 1) / options.per_day);
-  if (options.seed > std::numeric_limits<std::uint64_t>::max() - last_day)
+  const auto later_seeds = static_cast<std::uint64_t>((options.frames - 1) / options.per_seed);
+  if (options.seed > std::numeric_limits<std::uint64_t>::max() - later_seeds)
     throw std::runtime_error("--seed " + std::to_string(options.seed) + ": " +
-                             std::to_string(last_day + 1) + " worlds from there on have no seeds");
+                             std::to_string(later_seeds + 1) +
+                             " worlds from there on have no seeds");
   tasks::ConfigArguments config = options.common;
   if (options.varied) config.settings.insert(config.settings.begin(), "randomize.level=hard");
   if (options.fast) config.settings.push_back("sim.camera_quality=fast");
@@ -234,7 +235,7 @@ int render(const RenderOptions& options) {
       {.config = config, .track = options.track, .vision = "rendered", .laps = std::nullopt});
   say_notes(maker.notes());
   const simulated_race::PictureOrder order{.pictures = static_cast<std::size_t>(options.frames),
-                                           .per_day = static_cast<std::size_t>(options.per_day),
+                                           .per_seed = static_cast<std::size_t>(options.per_seed),
                                            .first_seed = options.seed,
                                            .around = 0.01 * options.around,
                                            .varied = options.varied,
@@ -252,7 +253,7 @@ int render(const RenderOptions& options) {
   const nlohmann::ordered_json said{
       {"track", race.identity.track},   {"frames", options.frames},
       {"recording", options.recording}, {"seed", options.seed},
-      {"per_day", options.per_day},     {"around_percent", options.around},
+      {"per_day", options.per_seed},    {"around_percent", options.around},
       {"varied", options.varied},       {"fast", options.fast},
       {"masks", options.masks},         {"version", race.identity.version},
       {"commit", race.identity.commit}, {"config", race.identity.config}};
@@ -263,7 +264,7 @@ int render(const RenderOptions& options) {
     return kDone;
   }
   std::cout << files::amount(order.pictures, "picture") << " of " << race.identity.track << ", "
-            << files::amount(simulated_race::days_of(order), "seed") << ": " << (out / "").string()
+            << files::amount(simulated_race::seeds_of(order), "seed") << ": " << (out / "").string()
             << '\n';
   return kDone;
 }
@@ -283,7 +284,7 @@ void declare_render(Command& command) {
   command.option("--frames", options->frames, "how many pictures").between(1, 1000000);
   command.option("--seed", options->seed, "the first; each seed has its own world and light")
       .show_default();
-  command.option("--per-day", options->per_day, "pictures of one seed")
+  command.option("--per-day", options->per_seed, "pictures of one seed")
       .between(1, 100000)
       .show_default();
   command

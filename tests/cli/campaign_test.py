@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""gatefly campaign: many days of one course, interrupted and gone on with.
+"""gatefly campaign: many seeds of one course, interrupted and gone on with.
 
 usage: campaign_test.py GATEFLY REPOSITORY_ROOT [unittest arguments]
 """

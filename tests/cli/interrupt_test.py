@@ -77,7 +77,7 @@ class Interrupt(Cli):
                 self.assertIn(word, words)
 
     def test_pictures_are_all_there_or_none(self):
-        """A signal while a day's last pictures are rendered must not end in a folder that lacks the other days."""
+        """A signal while a seed's last pictures are rendered must not end in a folder that lacks the other seeds."""
         render = ("render", "oval", "--frames", "120", "--jobs", "1", "-q", "--out")
         self.assertEqual(self.run_it(*render, "whole").returncode, 0)
         wanted = {path.name for path in (self.folder / "whole").iterdir()}

@@ -371,7 +371,7 @@ class Render(Cli):
         self.assertEqual(pictures["a"], pictures["b"])
         self.assertNotEqual(pictures["a"], pictures["c"])
 
-    def test_varied_days_have_masks_where_the_labels_say(self):
+    def test_varied_seeds_have_masks_where_the_labels_say(self):
         order = ("render", "oval", "--frames", "8", "--per-day", "2", "--quiet", "--varied", "--fast", "--masks",
                  "--around", "100", "--recording", "varied")
         for name in "ab":

@@ -229,21 +229,21 @@ const std::map<std::string, Effect>& effects() {
   return table;
 }
 
-/// A day on which nothing is varied but what is said.
-world::SimConfig day_with(const json& randomize, const json& faults, std::uint64_t seed) {
+/// A seed's truth in which nothing is varied but what is said.
+world::SimConfig drawn_with(const json& randomize, const json& faults, std::uint64_t seed) {
   world::SimConfig nominal = test::race_on("oval", seed, 1, {}, "none").sim;
   // Something to lose and to jitter, so that each key alone shows.
   nominal.faults = config::with_faults({}, faults, "here");
   return sim::drawn(nominal, config::randomized({}, randomize, "here"), seed);
 }
 
-world::SimConfig day_with(const std::string& name, const Effect& effect, bool set) {
+world::SimConfig drawn_with(const std::string& name, const Effect& effect, bool set) {
   const auto dot = name.find('.');
   json table = effect.with;
   if (set) table[name.substr(dot + 1)] = effect.value;
   const bool is_fault = name.starts_with("faults.");
-  return day_with(is_fault ? json::object() : table, is_fault ? table : json::object(),
-                  effect.seed);
+  return drawn_with(is_fault ? json::object() : table, is_fault ? table : json::object(),
+                    effect.seed);
 }
 
 TEST(EveryKey, HasAnEffectNamedHere) {
@@ -259,8 +259,8 @@ TEST(EveryKey, ReachesTheSensorsOfItsNameAndNoOthers) {
   for (const auto& [name, effect] : effects()) {
     SCOPED_TRACE(name);
     const std::string section = effect.with.empty() ? "" : name;
-    if (!befores.contains(section)) befores[section] = flown(day_with(name, effect, false));
-    const auto shown = changed(befores.at(section), flown(day_with(name, effect, true)));
+    if (!befores.contains(section)) befores[section] = flown(drawn_with(name, effect, false));
+    const auto shown = changed(befores.at(section), flown(drawn_with(name, effect, true)));
     std::set<std::string> allowed;
     for (const Channel channel : effect.must) {
       EXPECT_TRUE(shown.contains(kNames[channel])) << kNames[channel] << " does not show it";

@@ -126,7 +126,7 @@ TEST(Race, SameSeedSameBytes) {
   EXPECT_EQ(one.result.estimation_rmse, two.result.estimation_rmse);
 }
 
-TEST(Race, AnotherSeedIsAnotherDay) {
+TEST(Race, AnotherSeedIsAnotherRace) {
   const Trace one = flown(race_on("oval", 1003, 1)), two = flown(race_on("oval", 1004, 1));
   EXPECT_FALSE(one.frames == two.frames);
 }

@@ -41,23 +41,23 @@ TEST(MissCause, SaysHowFarTheSearchCame) {
   EXPECT_EQ(DrawnGate{}.cause(empty), "opening not empty");
 }
 
-TEST(HallDay, IsThatCamerasAndLabelsWhatCanBeAskedFor) {
-  const HallDay day = hall_day({}, 1001, 4, {}),
-                straight = hall_day({.straight = true}, 1001, 4, {});
-  ASSERT_EQ(day.pictures.size(), 4u);
+TEST(HallSeed, IsThatCamerasAndLabelsWhatCanBeAskedFor) {
+  const HallSeed hall = hall_seed({}, 1001, 4, {}),
+                 straight = hall_seed({.straight = true}, 1001, 4, {});
+  ASSERT_EQ(hall.pictures.size(), 4u);
   EXPECT_EQ(straight.config.camera.model, "pinhole");
-  EXPECT_EQ(day.config.camera.focal_px, straight.config.camera.focal_px);
-  for (const HallPicture& picture : day.pictures) {
+  EXPECT_EQ(hall.config.camera.focal_px, straight.config.camera.focal_px);
+  for (const HallPicture& picture : hall.pictures) {
     EXPECT_EQ(picture.view().width(), 640);
     EXPECT_EQ(picture.view().height(), 480);
     EXPECT_EQ(picture.file.bytes.size(), 640u * 480u * 2u);
     for (const Quad& gate : picture.truth.gates)
       EXPECT_GE(files::polygon_area(gate), HallPicture::kLeastSide * HallPicture::kLeastSide);
   }
-  EXPECT_EQ(day.pictures[3].file.bytes, hall_day({}, 1001, 4, {}).pictures[3].file.bytes);
-  EXPECT_NE(day.pictures[3].file.bytes, straight.pictures[3].file.bytes);
-  const HallDay hard = hall_day({.days = HallCamera::Days::kHard}, 1001, 4, {});
-  EXPECT_NE(day.pictures[3].file.bytes, hard.pictures[3].file.bytes);
+  EXPECT_EQ(hall.pictures[3].file.bytes, hall_seed({}, 1001, 4, {}).pictures[3].file.bytes);
+  EXPECT_NE(hall.pictures[3].file.bytes, straight.pictures[3].file.bytes);
+  const HallSeed hard = hall_seed({.level = HallCamera::Level::kHard}, 1001, 4, {});
+  EXPECT_NE(hall.pictures[3].file.bytes, hard.pictures[3].file.bytes);
 }
 
 }  // namespace

@@ -491,7 +491,7 @@ TEST_F(CameraRendererTest, TheSameSeedAndFrameGiveTheSameBytesAndOthersOtherNois
   }
 }
 
-TEST_F(CameraRendererTest, AutoExposureMakesADimDayAsBrightAsABrightOne) {
+TEST_F(CameraRendererTest, AutoExposureMakesADimRoomAsBrightAsABrightOne) {
   const double nominal = picture(room(), kMiddle).mean_y();
   EXPECT_NEAR(nominal, 117, 12);  // the meter sees one pixel in 36, and cuts bright places
   for (const double gain : {0.7, 3.0}) {

@@ -185,7 +185,7 @@ Numbers numbers_of(const world::SimConfig& config) {
 }
 
 /// A world with two gates and an obstacle, and no number at a value that a draw would leave alone.
-world::SimConfig nominal_day() {
+world::SimConfig nominal_config() {
   world::SimConfig config;
   config.world.gates = {{.p_EG = {2.0, 1.0, -1.5}, .yaw_EG = 0.6, .color = {0.6, 0.4, 0.3}},
                         {.p_EG = {-3.0, 2.0, -1.8}, .yaw_EG = -2.0, .color = {0.3, 0.4, 0.6}}};
@@ -365,7 +365,7 @@ world::Randomize all_draws() {
 }
 
 Numbers drawn_numbers(const world::Randomize& sigma, std::uint64_t seed) {
-  world::SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_config();
   nominal.seed = seed;
   return numbers_of(drawn(nominal, sigma, seed));
 }
@@ -440,7 +440,7 @@ TEST(Randomize, EachSizeDrawsTheSameNumbersWhateverElseIsDrawn) {
 }
 
 TEST(Randomize, LevelNoneChangesNothing) {
-  world::SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_config();
   nominal.world.gates[0].color = {1.0, 0.0, 0.0};
   for (std::uint64_t seed = 1; seed <= 3; ++seed) {
     nominal.seed = seed;
@@ -498,7 +498,7 @@ TEST(Randomize, DrawsAreNormalCutAtTwoAndAHalfSigmaAndIndependent) {
 }
 
 TEST(Randomize, OneGateMoreLeavesThoseBeforeItWhereTheyAre) {
-  const world::SimConfig two = nominal_day();
+  const world::SimConfig two = nominal_config();
   world::SimConfig three = two;
   three.world.gates.push_back({.p_EG = {0.0, 5.0, -1.5}});
   const Numbers with_two = numbers_of(drawn(two, all_draws(), 9)),
@@ -550,7 +550,7 @@ double to_lane(const world::WorldGate& gate, const Eigen::Vector2d& p) {
 }
 
 TEST(Decoys, StandAtTheWallsOffTheLanesInTheColourOfTheGates) {
-  world::SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_config();
   nominal.world.room_center = {1.0, -2.0};
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     world::Randomize sigma = all_draws();
@@ -581,8 +581,8 @@ TEST(Decoys, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
     EXPECT_EQ(two.at("decoys"), 6);
     two.at("decoys") = 2;
     for (const auto& [name, value] : one) EXPECT_EQ(two.at(name), value) << name;
-    const auto first = drawn(nominal_day(), few, seed).world.decoys,
-               more = drawn(nominal_day(), many, seed).world.decoys;
+    const auto first = drawn(nominal_config(), few, seed).world.decoys,
+               more = drawn(nominal_config(), many, seed).world.decoys;
     for (std::size_t i = 0; i < first.size(); ++i)
       EXPECT_EQ(first[i].shape.center, more[i].shape.center);
   }
@@ -596,7 +596,7 @@ double to_obstacle(const world::WorldBox& box, const Eigen::Vector2d& p) {
 }
 
 TEST(People, WalkAlongTheWallsOffTheLanesAndRoundNoObstacle) {
-  world::SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_config();
   nominal.world.room_size = {16.0, 18.0, 3.2};
   nominal.world.room_center = {1.0, -2.0};
   nominal.world.obstacles = {{{1.0, 6.2}, {0.6, 0.6}, 0.4, 0.0, 1.5, false}};
@@ -630,8 +630,8 @@ TEST(People, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
   world::Randomize few = all_draws(), many = all_draws();
   few.people = 1, many.people = 3;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const world::SimConfig one = drawn(nominal_day(), few, seed),
-                           two = drawn(nominal_day(), many, seed);
+    const world::SimConfig one = drawn(nominal_config(), few, seed),
+                           two = drawn(nominal_config(), many, seed);
     ASSERT_EQ(one.world.people.size(), 1u);
     EXPECT_EQ(one.world.people[0].from, two.world.people[0].from);
     EXPECT_EQ(one.world.people[0].shirt, two.world.people[0].shirt);
@@ -642,7 +642,7 @@ TEST(People, MoreOfThemLeaveTheFirstOnesAndAllElseAsTheyWere) {
 }
 
 TEST(Decoys, ARoomWithoutSpaceForThemGetsFewer) {
-  world::SimConfig config = nominal_day();
+  world::SimConfig config = nominal_config();
   config.world.room_size = {2.0, 2.0, 3.0};
   config.world.gates = {{.p_EG = {0, 0, -1.5}}};
   world::Randomize sigma;
@@ -656,7 +656,7 @@ double side_of(const world::Jet& jet, const Eigen::Vector2d& p) {
 }
 
 TEST(Draughts, AJetCrossesALegWhoseEndsLieOnEitherSide) {
-  world::SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_config();
   nominal.world.gates.push_back({.p_EG = {4.0, -5.0, -1.5}});
   world::Randomize sigma = all_draws();
   sigma.jet = 0.3;
@@ -686,7 +686,7 @@ TEST(Draughts, AJetCrossesALegWhoseEndsLieOnEitherSide) {
 }
 
 TEST(Draughts, OfOneGateTheJetCrossesTheWayThere) {
-  world::SimConfig nominal = nominal_day();
+  world::SimConfig nominal = nominal_config();
   nominal.world.gates.resize(1);
   world::Randomize sigma;
   sigma.jet = 0.3;
@@ -701,7 +701,7 @@ TEST(Draughts, AShearStandsStillInTheMiddleOfTheGatesAndBlowsAnyWay) {
   sigma.shear = 0.1;
   Eigen::Vector2d sum{0, 0};
   for (std::uint64_t seed = 1; seed <= 200; ++seed) {
-    const world::Shear shear = drawn(nominal_day(), sigma, seed).wind.shear;
+    const world::Shear shear = drawn(nominal_config(), sigma, seed).wind.shear;
     EXPECT_LT((shear.middle - Eigen::Vector2d{-0.5, 1.5}).norm(), 1e-12);
     sum += rotation_z(shear.heading).col(0).head<2>();
   }
@@ -710,7 +710,7 @@ TEST(Draughts, AShearStandsStillInTheMiddleOfTheGatesAndBlowsAnyWay) {
 
 TEST(Draughts, AtLevelRaceAndBelowThereAreNone) {
   for (const char* level : {"none", "race"}) {
-    const world::Wind wind = drawn(nominal_day(), world::randomize_level(level), 3).wind;
+    const world::Wind wind = drawn(nominal_config(), world::randomize_level(level), 3).wind;
     EXPECT_EQ(wind.jet.speed, 0.0);
     EXPECT_EQ(wind.shear.rate, 0.0);
     EXPECT_EQ(wind.wash, 0.0);
@@ -754,7 +754,7 @@ TEST(Randomize, DrawsFocalLengthCentreAndFirstCoefficientOfPolynomialLenses) {
   }
 }
 
-TEST(Randomize, GivesEveryModelTheSameDayButItsOwnDistortion) {
+TEST(Randomize, GivesEveryModelTheSameDrawButItsOwnDistortion) {
   const auto dhane =
       std::get<DhaneFisheye>(drawn(with({DhaneFisheye{}}), lens_only(), 3).camera.lens.model);
   const auto fisheye = std::get<KannalaBrandt>(

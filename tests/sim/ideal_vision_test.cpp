@@ -107,25 +107,25 @@ const SizeBin& bin_of(const DetectorStatistics& statistics, double side_px) {
   return statistics.gates.back();
 }
 
-/// The same camera looks at the same gate on many days: pictures that follow each other.
+/// The same camera looks at the same gate with many seeds: pictures that follow each other.
 struct Looking {
   Hall hall;
   const char* detector;
-  int days = 2000, pictures = 2;
+  int seeds = 2000, pictures = 2;
   double false_alarms = 0.0;
 
-  /// each(day, picture, what was seen)
+  /// each(number of the seed, picture, what was seen)
   template <class Each>
   void operator()(const Each& each) const {
     const SolidSight sight{hall.world};
     const auto history = Hall::history();
-    for (int day = 0; day < days; ++day) {
+    for (int nth = 0; nth < seeds; ++nth) {
       IdealVision vision{hall.world,
                          hall.camera,
                          {.detector = detector, .false_alarms = false_alarms},
-                         static_cast<std::uint64_t>(1000 + day),
+                         static_cast<std::uint64_t>(1000 + nth),
                          sight};
-      for (int i = 0; i < pictures; ++i) each(day, i, vision.look(1.0 + i * kPicture, history));
+      for (int i = 0; i < pictures; ++i) each(nth, i, vision.look(1.0 + i * kPicture, history));
     }
   }
 };
@@ -165,9 +165,9 @@ TEST(IdealVision, MissesComeInRows) {
     missed = miss;
   });
   const double rate = misses / double(looks);
-  // Two pictures on: two standard normal numbers that share the day's and the staying part.
+  // Two pictures on: two standard normal numbers that share the seed's and the staying part.
   const Staying& staying = statistics_of("paper").staying;
-  const double shared = staying.day + staying.row * std::exp(-kPicture / staying.time);
+  const double shared = staying.seed + staying.row * std::exp(-kPicture / staying.time);
   EXPECT_GT(again / (0.5 * misses), rate + 0.6 * shared * (1.0 - rate)) << rate;
   EXPECT_LT(again / (0.5 * misses), 1.0 - 0.5 * (1.0 - shared) * (1.0 - rate)) << rate;
 }
@@ -228,13 +228,13 @@ TEST(IdealVision, DecoysAreTakenForGatesAsOftenAsTheTableSays) {
     int count = 0;
     looking(
         [&](int, int, const SeenPicture& seen) { count += static_cast<int>(seen.gates.size()); });
-    return count / double(looking.days);
+    return count / double(looking.seeds);
   };
   const double without = alarms();
   looking.hall.world.decoys = {{.shape = {{4.0, 0.5}, {0.3, 0.3}, 0.0, 0.0, 1.5, false}},
                                {.shape = {{4.0, -0.5}, {0.2, 0.2}, 0.0, 0.0, 1.5, true}}};
   const double rate = statistics_of("ours").decoys.rate;
-  EXPECT_NEAR(alarms() - without, 2 * rate, 5.0 * std::sqrt(2 * rate / looking.days) + 1e-9);
+  EXPECT_NEAR(alarms() - without, 2 * rate, 5.0 * std::sqrt(2 * rate / looking.seeds) + 1e-9);
 }
 
 TEST(IdealVision, AFalseGateIsSeenAsAGate) {
@@ -298,7 +298,7 @@ TEST(IdealVision, WhatIsDrawnForOneGateDoesNotDependOnAnother) {
 }
 
 TEST(IdealVision, SeesNothingWithItsBackToTheGate) {
-  const Looking looking{.hall = Hall{-4.0}, .detector = "ours", .days = 20};
+  const Looking looking{.hall = Hall{-4.0}, .detector = "ours", .seeds = 20};
   looking([](int, int, const SeenPicture& seen) { EXPECT_TRUE(seen.gates.empty()); });
 }
 

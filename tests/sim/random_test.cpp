@@ -17,7 +17,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gatefly/sim/luck.hpp"
+#include "gatefly/sim/correlated_draw.hpp"
 #include "gatefly/sim/normal.hpp"
 #include "gatefly/sim/streams.hpp"
 
@@ -32,10 +32,10 @@ std::map<std::string, int> names_in_code() {
   const char* root = std::getenv("GATEFLY_SOURCE_DIR");
   std::map<std::string, int> names;
   if (root == nullptr) return names;
-  // Stream{seed, "name"}, schedule_{config.seed, "name"}; Lucks: {seed, "name", staying...};
-  // draws("name", ...)
+  // Stream{seed, "name"}, schedule_{config.seed, "name"}; draws("name", ...);
+  // CorrelatedDraws: {seed, "name", staying...}
   const std::regex stream{R"~(\{\s*(?:1|[\w.]*seed_?),\s*"([^"]+)"\s*\})~"},
-      lucks{R"~(\{\s*seed,\s*"([^"]+)",)~"}, draws{R"~(draws\("([^"]+)")~"},
+      correlated{R"~(\{\s*seed,\s*"([^"]+)",)~"}, draws{R"~(draws\("([^"]+)")~"},
       where{R"~("([\w ]+ where)")~"};
   for (const char* folder : {"sim", "simulated_race", "simulated_race/closed_loop"})
     for (const auto& entry :
@@ -49,7 +49,7 @@ std::map<std::string, int> names_in_code() {
         for (std::sregex_iterator it{text.begin(), text.end(), pattern}, last; it != last; ++it)
           ++names[(*it)[1].str() + end];
       };
-      each(stream, ""), each(lucks, " "), each(draws, " "), each(where, " ");
+      each(stream, ""), each(correlated, " "), each(draws, " "), each(where, " ");
     }
   return names;
 }
@@ -124,28 +124,28 @@ TEST(Normal, QuantileUndoesTheDistribution) {
   EXPECT_NEAR(normal_cdf(1.959964), 0.975, 1e-6);
 }
 
-TEST(Luck, HasTheSharesThatItWasGiven) {
-  constexpr Staying kStaying{.day = 0.2, .row = 0.5, .time = 0.4};
+TEST(CorrelatedDraw, HasTheSharesThatItWasGiven) {
+  constexpr Staying kStaying{.seed = 0.2, .row = 0.5, .time = 0.4};
   constexpr double kPeriod = 1.0 / 15.0;
-  constexpr int kDays = 4000;
+  constexpr int kSeeds = 4000;
   // products of what one thing has now, a picture later, much later, and what another has
   double square = 0.0, next = 0.0, much_later = 0.0, other = 0.0;
-  for (std::uint64_t seed = 1; seed <= kDays; ++seed) {
-    Lucks lucks{seed, "test", kStaying, true};
-    const double now = lucks.of(1).normal(1.0), elsewhere = lucks.of(2).normal(1.0),
-                 later = lucks.of(1).normal(1.0 + kPeriod), late = lucks.of(1).normal(9.0);
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    CorrelatedDraws draws{seed, "test", kStaying, true};
+    const double now = draws.of(1).normal(1.0), elsewhere = draws.of(2).normal(1.0),
+                 later = draws.of(1).normal(1.0 + kPeriod), late = draws.of(1).normal(9.0);
     square += now * now, next += now * later, much_later += now * late, other += now * elsewhere;
   }
-  const double error = 5.0 * std::sqrt(2.0 / kDays);
-  EXPECT_NEAR(square / kDays, 1.0, error);
-  EXPECT_NEAR(next / kDays, 0.2 + 0.5 * std::exp(-kPeriod / 0.4), error);
-  EXPECT_NEAR(much_later / kDays, 0.2, error);
-  EXPECT_NEAR(other / kDays, 0.2, error);
+  const double error = 5.0 * std::sqrt(2.0 / kSeeds);
+  EXPECT_NEAR(square / kSeeds, 1.0, error);
+  EXPECT_NEAR(next / kSeeds, 0.2 + 0.5 * std::exp(-kPeriod / 0.4), error);
+  EXPECT_NEAR(much_later / kSeeds, 0.2, error);
+  EXPECT_NEAR(other / kSeeds, 0.2, error);
 }
 
-TEST(Luck, FollowsFromTheTimeNotFromThePicturesThatCameThrough) {
-  constexpr Staying kStaying{.day = 0.1, .row = 0.6, .time = 0.3};
-  Luck all{kStaying, 0.3, Stream{1, "test"}}, some{kStaying, 0.3, Stream{1, "test"}};
+TEST(CorrelatedDraw, FollowsFromTheTimeNotFromThePicturesThatCameThrough) {
+  constexpr Staying kStaying{.seed = 0.1, .row = 0.6, .time = 0.3};
+  CorrelatedDraw all{kStaying, 0.3, Stream{1, "test"}}, some{kStaying, 0.3, Stream{1, "test"}};
   for (int i = 0; i < 30; ++i) {
     const double t = 0.2 + i / 15.0, value = all.normal(t);
     if (i % 3 == 0) {
@@ -154,17 +154,17 @@ TEST(Luck, FollowsFromTheTimeNotFromThePicturesThatCameThrough) {
   }
 }
 
-TEST(Luck, WhatHappensDoesSoAsOftenAsItShouldAndItsSurplusIsUniform) {
-  constexpr int kDays = 5000;
+TEST(CorrelatedDraw, WhatHappensDoesSoAsOftenAsItShouldAndItsSurplusIsUniform) {
+  constexpr int kSeeds = 5000;
   int happened = 0;
   double surplus_sum = 0.0;
-  for (std::uint64_t seed = 1; seed <= kDays; ++seed) {
-    Lucks lucks{seed, "test", {.day = 0.1, .row = 0.6, .time = 0.3}, false};
+  for (std::uint64_t seed = 1; seed <= kSeeds; ++seed) {
+    CorrelatedDraws draws{seed, "test", {.seed = 0.1, .row = 0.6, .time = 0.3}, false};
     double surplus = -1.0;
-    if (!lucks.happens(3, 0.3, 2.0, surplus)) continue;
+    if (!draws.happens(3, 0.3, 2.0, surplus)) continue;
     ++happened, surplus_sum += surplus;
   }
-  EXPECT_NEAR(happened / double{kDays}, 0.3, 5 * std::sqrt(0.21 / kDays));
+  EXPECT_NEAR(happened / double{kSeeds}, 0.3, 5 * std::sqrt(0.21 / kSeeds));
   EXPECT_NEAR(surplus_sum / happened, 0.5, 5 * std::sqrt(1.0 / 12.0 / happened));
 }
 

@@ -82,21 +82,21 @@ struct Point {
   double correlation = 0.0;
 };
 
-/// The curve day + row exp(-lag / time) nearest to the points; `day` given or looked for.
-sim::Staying nearest_curve(const std::vector<Point>& points, std::optional<double> day) {
+/// The curve seed + row exp(-lag / time) nearest to the points; `seed` given or looked for.
+sim::Staying nearest_curve(const std::vector<Point>& points, std::optional<double> seed) {
   sim::Staying best;
   double least = 1e300;
-  for (double d = day.value_or(0.0); d <= day.value_or(0.9); d += 0.02) {
-    for (double row = 0.0; d + row <= 0.981; row += 0.02)
+  for (double s = seed.value_or(0.0); s <= seed.value_or(0.9); s += 0.02) {
+    for (double row = 0.0; s + row <= 0.981; row += 0.02)
       for (double time = 0.05; time < 5.0; time *= 1.15) {
         double off = 0.0;
         for (const Point& p : points) {
-          const double model = d + row * std::exp(-p.lag / time);
+          const double model = s + row * std::exp(-p.lag / time);
           off += (p.correlation - model) * (p.correlation - model);
         }
-        if (off < least) least = off, best = {d, row, time};
+        if (off < least) least = off, best = {s, row, time};
       }
-    if (day) break;
+    if (seed) break;
   }
   return best;
 }
@@ -193,12 +193,12 @@ std::optional<double> correlation(const std::vector<Look>& looks, int lag) {
   return most_probable(pairs, thresholds_of(looks));
 }
 
-std::optional<double> correlation_of_days(const std::vector<Look>& looks, Share share) {
-  // hits and misses by (day, thing), window, bin
+std::optional<double> correlation_of_seeds(const std::vector<Look>& looks, Share share) {
+  // hits and misses by (seed, thing), window, bin
   using Counts = std::array<std::array<double, 2>, kSizes.size()>;
   std::map<std::pair<int, int>, std::map<int, Counts>> counts;
   for (const Look& look : looks)
-    ++counts[{look.day, share == Share::kAll ? 0 : look.which}][look.window][bin_of(look.side_px)]
+    ++counts[{look.seed, share == Share::kAll ? 0 : look.which}][look.window][bin_of(look.side_px)]
             [look.hit ? 0 : 1];
   Pairs pairs;
   for (const auto& [key, windows] : counts)
@@ -217,8 +217,8 @@ sim::Staying staying_of(const std::vector<Look>& looks, Share share) {
   for (const int lag : kLags)
     if (const auto r = correlation(looks, lag)) points.push_back({lag * kPeriod, *r});
   if (points.size() < 3) return {0.0, 0.7, 0.2};  // too few: about what the others have
-  const auto days = correlation_of_days(looks, share);
-  return nearest_curve(points, std::clamp(days.value_or(0.0), 0.0, 0.9));
+  const auto of_seeds = correlation_of_seeds(looks, share);
+  return nearest_curve(points, std::clamp(of_seeds.value_or(0.0), 0.0, 0.9));
 }
 
 sim::Staying staying_of(const std::vector<Alarm>& alarms, double rate) {

@@ -17,7 +17,7 @@ namespace gatefly::measuring {
 
 /// One thing in one picture, and whether the detector took it for a gate.
 struct Look {
-  int day = 0;     ///< Of one seed or one set of pictures.
+  int seed = 0;    ///< Its number; each set of real pictures has one, too.
   int window = 0;  ///< Consecutive pictures; numbers are unique.
   int step = 0;    ///< In the window.
   int which = 0;   ///< The same thing has the same number.
@@ -51,7 +51,7 @@ constexpr std::size_t kKinds = static_cast<std::size_t>(Kind::kCount);
 
 /// A false alarm that is none of the things above.
 struct Alarm {
-  int day = 0, window = 0, step = 0;
+  int seed = 0, window = 0, step = 0;
   double fitness = 0.0, side_px = 0.0;
   Eigen::Vector3d direction_E{0, 0, 0};
   /// Pictures of the window later than this by 1, 2, ... in which the place is in view, and those
@@ -59,8 +59,8 @@ struct Alarm {
   std::array<bool, 12> in_view{}, again{};
 };
 
-/// The light of a day.
-struct Day {
+/// The light of a seed.
+struct SeedLight {
   double hue = 0.0;         ///< Of the gates against the nominal one [rad].
   double brightness = 0.0;  ///< Mean of the logarithms of the light groups' gains.
   double exposure = 0.0;    ///< Logarithm of the exposure's target.
@@ -71,7 +71,7 @@ struct Looks {
   int pictures = 0;
   std::array<std::vector<Look>, kKinds> of;
   std::vector<Alarm> alarms;
-  std::map<int, Day> days;
+  std::map<int, SeedLight> lights;
   /// Of every detection what can be read of it: of gates, and of what is none.
   std::vector<sim::Fields> of_gates, of_others;
 

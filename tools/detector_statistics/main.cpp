@@ -23,7 +23,7 @@ namespace {
 using namespace gatefly;
 
 struct Arguments {
-  int days = 12;
+  int seeds = 12;
   bool ideal = false, real = true, wide = false;
   std::string write, data;
 };
@@ -37,7 +37,7 @@ Arguments read(int argc, char** argv) {
       return std::string{argv[++i]};
     };
     if (flag == "--days")
-      given.days = std::atoi(value().c_str());
+      given.seeds = std::atoi(value().c_str());
     else if (flag == "--write")
       given.write = value();
     else if (flag == "--data")
@@ -53,7 +53,7 @@ Arguments read(int argc, char** argv) {
           "usage: detector_statistics [--days N] [--write FILE] "
           "[--data DIR] [--no-real] [--wide] [--ideal]");
   }
-  if (given.days < 1) throw std::invalid_argument("--days must be 1 or more");
+  if (given.seeds < 1) throw std::invalid_argument("--days must be 1 or more");
   return given;
 }
 
@@ -71,7 +71,7 @@ void run_wide(const Arguments& given) {
   m::look_at({.track = "grandprix",
               .configs = {"cameras/grandprix.toml"},
               .first_seed = 1001,
-              .days = given.days,
+              .seeds = given.seeds,
               .ideal = given.ideal,
               .paper = false},
              looks);
@@ -90,13 +90,14 @@ void run_wide(const Arguments& given) {
 void run(const Arguments& given) {
   namespace m = gatefly::measuring;
   m::LooksOfBoth rendered;
-  const int less = (given.days + 1) / 2;
-  for (const auto& [track, days] : {std::pair{"oval", given.days},
-                                    {"showroom", given.days},
-                                    {"figure8", less},
-                                    {"lanes", less},
-                                    {"tests/courses/slalom_hall.toml", less}})
-    m::look_at({.track = track, .first_seed = 1001, .days = days, .ideal = given.ideal}, rendered);
+  const int less = (given.seeds + 1) / 2;
+  for (const auto& [track, seeds] : {std::pair{"oval", given.seeds},
+                                     {"showroom", given.seeds},
+                                     {"figure8", less},
+                                     {"lanes", less},
+                                     {"tests/courses/slalom_hall.toml", less}})
+    m::look_at({.track = track, .first_seed = 1001, .seeds = seeds, .ideal = given.ideal},
+               rendered);
   std::fprintf(stderr, "\n");
   m::RealLooks real;
   if (given.real && !given.ideal) real = m::look_at_real(given.data);

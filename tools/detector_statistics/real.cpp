@@ -51,11 +51,11 @@ LookoutParams params_of(const config::Config& config) {
 /// Pictures of one set, in their order; numbers that follow each other are one window.
 class SetOfPictures {
  public:
-  SetOfPictures(const config::Config& config, int day, LooksOfBoth& looks)
-      : day_{day}, looks_{looks} {
+  SetOfPictures(const config::Config& config, int nth, LooksOfBoth& looks)
+      : nth_{nth}, looks_{looks} {
     const LookoutParams params = params_of(config);
     eyes_.emplace_back(kOurs, params), eyes_.emplace_back(kPaper, params);
-    for (Looks& each : looks_) each.days[day] = {};
+    for (Looks& each : looks_) each.lights[nth] = {};
   }
 
   void look(const Labelled& picture) {
@@ -79,8 +79,8 @@ class SetOfPictures {
     std::vector<const GateDetection*> open;
     for (const GateDetection& gate : answer.gates) open.push_back(&gate);
     const auto claim = [&](Kind kind, double part) {
-      Look look{.day = day_,
-                .window = 10'000 * day_ + window_,
+      Look look{.seed = nth_,
+                .window = 10'000 * nth_ + window_,
                 .step = last_ - first_,
                 .side_px = side_of(*target),
                 .truth = *target};
@@ -106,34 +106,34 @@ class SetOfPictures {
         return shared_area(files::polygon(d->corners_px), *target) > 0.0;
       });
     for (const GateDetection* gate : open)
-      looks.alarms.push_back({.day = day_,
-                              .window = 10'000 * day_ + window_,
+      looks.alarms.push_back({.seed = nth_,
+                              .window = 10'000 * nth_ + window_,
                               .step = last_ - first_,
                               .fitness = gate->fitness,
                               .side_px = side_of(gate->corners_px)});
   }
 
-  int day_;
+  int nth_;
   LooksOfBoth& looks_;
   std::vector<Eye> eyes_;
   int window_ = 0, first_ = 0, last_ = -10;
 };
 
-void look_at_set(const std::string& name, const lab::Options& options, int day,
+void look_at_set(const std::string& name, const lab::Options& options, int nth,
                  LooksOfBoth& looks) {
   const lab::OwnSet set = lab::own_set(name, options);
-  SetOfPictures looking{set.config, day, looks};
+  SetOfPictures looking{set.config, nth, looks};
   for (std::size_t i = 0; i < set.size(); ++i)
     looking.look({set.names[i], set.picture(i).image, set.picture(i).truth});
 }
 
 /// One approach to a gate; before picture 18 the drone stands on the floor.
-void look_at_flight(const lab::Options& options, int day, LooksOfBoth& looks) {
+void look_at_flight(const lab::Options& options, int nth, LooksOfBoth& looks) {
   constexpr int kInTheAir = 18;
   const lab::LabelledSet set{lab::data_folder("tudelft_bebop_flights", options) / "flight_11"};
   const std::vector<std::string> configs{"flights"};
   const config::Config config = config::load_config(config::config_files(configs));
-  SetOfPictures looking{config, day, looks};
+  SetOfPictures looking{config, nth, looks};
   for (std::size_t i = 0; i < set.size(); ++i) {
     const files::LabelledPicture& label = set.labels.pictures[i];
     if (number_of(label.image) < kInTheAir) continue;
@@ -147,10 +147,10 @@ void look_at_flight(const lab::Options& options, int day, LooksOfBoth& looks) {
 RealLooks look_at_real(const std::string& data) {
   const lab::Options options{.data = data};
   RealLooks looks;
-  int day = 0;
+  int nth = 0;
   for (const char* name : {"basement32_hq", "cyberzoo", "distance51"})
-    look_at_set(name, options, day++, looks.clear);
-  look_at_flight(options, day++, looks.clear);
+    look_at_set(name, options, nth++, looks.clear);
+  look_at_flight(options, nth++, looks.clear);
   look_at_set("basement580", options, 0, looks.video);
   return looks;
 }

@@ -95,14 +95,14 @@ bool parts_agree(const Eigen::Vector2d& a, const Eigen::Vector2d& b) {
   return (a - b).norm() < kSameParts;
 }
 
-/// One day of one course.
-class DayOfLooking {
+/// One seed of one course.
+class LookingAtSeed {
  public:
-  DayOfLooking(const simulated_race::Race& race, const Order& order, int day, int first_window,
-               LooksOfBoth& looks)
+  LookingAtSeed(const simulated_race::Race& race, const Order& order, int nth_seed,
+                int first_window, LooksOfBoth& looks)
       : config_{race.config},
         sim_{race.config.sim},
-        day_{day},
+        nth_seed_{nth_seed},
         window_{first_window},
         looks_{looks},
         places_{sim::places_of(sim_.world, sim_.seed)} {
@@ -121,7 +121,7 @@ class DayOfLooking {
     const LookoutParams params = lookout_params(config_.pilot);
     eyes_.emplace_back(kOurs, params);
     if (order.paper) eyes_.emplace_back(kPaper, params);
-    for (Looks& each : looks_) each.days[day_] = light();
+    for (Looks& each : looks_) each.lights[nth_seed_] = light();
   }
 
   void look(const Flown& flight, std::size_t first, std::size_t last) {
@@ -139,19 +139,19 @@ class DayOfLooking {
  private:
   using AlarmsOfBoth = std::array<std::vector<Alarm>, kDetectors>;
 
-  [[nodiscard]] Day light() const {
-    Day day;
+  [[nodiscard]] SeedLight light() const {
+    SeedLight result;
     for (const double gain : sim_.light.group_gain)
-      day.brightness += std::log(gain) / world::LightConditions::kGroups;
-    day.exposure = std::log(sim_.light.exposure_target);
+      result.brightness += std::log(gain) / world::LightConditions::kGroups;
+    result.exposure = std::log(sim_.light.exposure_target);
     if (!sim_.world.gates.empty()) {
       const auto hue = [](const Eigen::Vector3d& rgb) {
         return std::atan2((rgb.y() - rgb.z()) / std::sqrt(2.0),
                           (2 * rgb.x() - rgb.y() - rgb.z()) / std::sqrt(6.0));
       };
-      day.hue = hue(sim_.world.gates[0].color) - hue(world::WorldGate{}.color);
+      result.hue = hue(sim_.world.gates[0].color) - hue(world::WorldGate{}.color);
     }
-    return day;
+    return result;
   }
 
   [[nodiscard]] const sim::Sight& sight() const {
@@ -213,7 +213,7 @@ class DayOfLooking {
   }
 
   [[nodiscard]] Look look_of(int step, int which, const Quad& truth) const {
-    return {.day = day_,
+    return {.seed = nth_seed_,
             .window = window_,
             .step = step,
             .which = which,
@@ -275,7 +275,7 @@ class DayOfLooking {
     for (const GateDetection* gate : open) {
       const auto direction_E = exposure.direction_E(center(gate->corners_px));
       if (direction_E)
-        now.push_back({.day = day_,
+        now.push_back({.seed = nth_seed_,
                        .window = window_,
                        .step = step,
                        .fitness = gate->fitness,
@@ -367,7 +367,7 @@ class DayOfLooking {
   const double target_side_ = sim::build_of(sim_.world.gates) == sim::GateBuild::kWide
                                   ? config_.pilot.track.gates.front().side
                                   : 1.0;
-  int day_, window_;
+  int nth_seed_, window_;
   LooksOfBoth& looks_;
   std::vector<sim::Place> places_;
   std::unique_ptr<sim::CameraRenderer> renderer_;
@@ -385,15 +385,15 @@ void look_at(const Order& order, LooksOfBoth& looks) {
                                          .track = order.track,
                                          .vision = "ideal",
                                          .laps = {}}};
-  const auto& days = looks[kOurs].days;
-  int day = days.empty() ? 0 : days.rbegin()->first + 1, window = 1000 * day;
-  for (int i = 0; i < order.days; ++i, ++day) {
+  const auto& lights = looks[kOurs].lights;
+  int nth_seed = lights.empty() ? 0 : lights.rbegin()->first + 1, window = 1000 * nth_seed;
+  for (int i = 0; i < order.seeds; ++i, ++nth_seed) {
     const simulated_race::Race race = maker.race(order.first_seed + static_cast<std::uint64_t>(i));
     Flown flight = flown(race.config);
     keep_15_hz(flight, race.config.sim.sensors.camera_hz);
     std::fprintf(stderr, "\r%-20s seed %llu ", order.track.c_str(),
                  static_cast<unsigned long long>(race.identity.seed));
-    DayOfLooking looking{race, order, day, window, looks};
+    LookingAtSeed looking{race, order, nth_seed, window, looks};
     const auto count = flight.moments.size();
     const auto length = std::min(count, static_cast<std::size_t>(order.pictures));
     if (length == 0) continue;

@@ -9,20 +9,20 @@
 
 namespace gatefly::measuring {
 
-/// Pictures of a course's days: windows of consecutive ones, along races flown by ideal vision.
+/// Pictures of a course's seeds: windows of consecutive ones, along races flown by ideal vision.
 struct Order {
   std::string track;
   std::vector<std::string> configs{};  ///< The camera, if not the Bebop's.
   std::uint64_t first_seed = 1001;
-  int days = 20;
-  int windows = 3;    ///< A day, evenly spread over the race.
-  int pictures = 30;  ///< A window.
+  int seeds = 20;
+  int windows = 3;    ///< For each seed, evenly spread over the race.
+  int pictures = 30;  ///< For each window.
   /// Ideal vision in place of pictures: measures what was drawn by the rules of what is measured.
   bool ideal = false;
   bool paper = true;  ///< The paper's detector looks, too.
 };
 
-/// Adds what both detectors see on a course. Days and windows are numbered on.
+/// Adds what both detectors see on a course. Seeds and windows are numbered on.
 void look_at(const Order& order, LooksOfBoth& looks);
 
 }  // namespace gatefly::measuring

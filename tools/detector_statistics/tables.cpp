@@ -104,7 +104,7 @@ std::string text(const sim::Quantiles& q) {
 }
 
 std::string text(const sim::Staying& s) {
-  return "{.day = " + text(s.day) + ", .row = " + text(s.row) + ", .time = " + text(s.time) + "}";
+  return "{.seed = " + text(s.seed) + ", .row = " + text(s.row) + ", .time = " + text(s.time) + "}";
 }
 
 std::string text(const sim::Finds& a) {
@@ -169,9 +169,9 @@ void print_line(const char* what, const std::vector<Look>& looks) {
     else
       std::printf("    -");
   }
-  const auto day = correlation_of_days(looks, Share::kAll);
-  if (day)
-    std::printf("  %.2f", *day);
+  const auto of_seeds = correlation_of_seeds(looks, Share::kAll);
+  if (of_seeds)
+    std::printf("  %.2f", *of_seeds);
   else
     std::printf("     -");
   const auto fitness = quantiles_of(fitness_of(looks));
@@ -190,20 +190,20 @@ std::array<double, sim::kFields.size()> told_of(const Looks& looks) {
   return told;
 }
 
-/// How a day's light goes with how much is found that day.
+/// How a seed's light goes with how much is found in it.
 void print_light(const Looks& looks) {
   std::map<int, std::pair<double, double>> expected_and_found;
   std::array<double, kSizes.size()> rates{};
   for (std::size_t bin = 0; bin < kSizes.size(); ++bin)
     rates[bin] = rate_of(in_bin(looks[Kind::kGate], bin));
   for (const Look& look : looks[Kind::kGate]) {
-    auto& [expected, found] = expected_and_found[look.day];
+    auto& [expected, found] = expected_and_found[look.seed];
     expected += rates[bin_of(look.side_px)], found += look.hit;
   }
   const auto table = [&](const char* what, const auto& value_of) {
     std::vector<std::pair<double, int>> order;
-    for (const auto& [day, sums] : expected_and_found)
-      order.emplace_back(value_of(looks.days.at(day)), day);
+    for (const auto& [seed, sums] : expected_and_found)
+      order.emplace_back(value_of(looks.lights.at(seed)), seed);
     std::sort(order.begin(), order.end());
     if (order.size() < 12) return;
     std::printf("  found / expected by %s:", what);
@@ -219,9 +219,9 @@ void print_light(const Looks& looks) {
     }
     std::printf("\n");
   };
-  table("hue [rad]", [](const Day& d) { return d.hue; });
-  table("log brightness", [](const Day& d) { return d.brightness; });
-  table("log exposure", [](const Day& d) { return d.exposure; });
+  table("hue [rad]", [](const SeedLight& light) { return light.hue; });
+  table("log brightness", [](const SeedLight& light) { return light.brightness; });
+  table("log exposure", [](const SeedLight& light) { return light.exposure; });
 }
 
 }  // namespace

@@ -10,11 +10,11 @@
 
 namespace gatefly::sim {
 
-/// Shares of a day's light, and of what does not change from picture to picture, in whether
+/// Shares of a seed's light, and of what does not change from picture to picture, in whether
 /// something is found: parts of the variance of a standard normal number. The rest is each
 /// picture's own.
 struct Staying {
-  double day = 0.0;   ///< The same all day, for all things of a kind.
+  double seed = 0.0;  ///< The same for the whole seed, for all things of a kind.
   double row = 0.0;   ///< Stays with one thing, for about `time`.
   double time = 0.1;  ///< Its correlation falls to 1/e in that time [s].
 };

@@ -298,7 +298,7 @@ double IdealVision::reach(double of_1_m, const GateView& view) const {
 void IdealVision::add_false_pair(FalsePair& kind, double rate, double t,
                                  std::optional<SeenPicture::Pair>& pair) {
   double surplus = 0.0;
-  if (!kind.luck.happens(0, rate, t, surplus)) {
+  if (!kind.draws.happens(0, rate, t, surplus)) {
     kind.pair.reset();
     return;
   }

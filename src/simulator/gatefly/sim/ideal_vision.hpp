@@ -9,10 +9,10 @@
 #include <Eigen/Core>
 
 #include "gatefly/sim/camera.hpp"
+#include "gatefly/sim/correlated_draw.hpp"
 #include "gatefly/sim/detector_statistics.hpp"
 #include "gatefly/sim/gates_in_view.hpp"
 #include "gatefly/sim/lookalikes.hpp"
-#include "gatefly/sim/luck.hpp"
 #include "gatefly/sim/random.hpp"
 #include "gatefly/sim/sight.hpp"
 #include "gatefly/world/world.hpp"
@@ -43,8 +43,8 @@ struct SeenPicture {
 /// detector.
 ///
 /// A detection's fitness says as much about it as the real detector's does, and nothing else of it
-/// says more. Misses, errors and false alarms stay for a while, and with a day. Blind to gates of a
-/// colour that the pilot does not look for. [docs/simulation.md]
+/// says more. Misses, errors and false alarms stay for a while, and with a seed. Blind to gates of
+/// a colour that the pilot does not look for. [docs/simulation.md]
 class IdealVision {
  public:
   /// @param sight  must live as long.
@@ -60,7 +60,7 @@ class IdealVision {
   /// A pair that is none, kept while it lasts.
   struct FalsePair {
     const char* where;  ///< Name of the stream that places it.
-    Lucks luck;
+    CorrelatedDraws draws;
     std::optional<SeenPicture::Pair> pair;
   };
 
@@ -92,8 +92,9 @@ class IdealVision {
   const Sight& sight_;
   std::uint64_t seed_;
   std::vector<Place> places_;
-  Lucks gates_, aslant_, hidden_, crooked_, two_gates_, decoys_, at_places_, lower_, bars_, cut_;
-  Lucks right_, down_, size_;  ///< The error that a gate's corners share.
+  CorrelatedDraws gates_, aslant_, hidden_, crooked_, two_gates_, decoys_, at_places_, lower_,
+      bars_, cut_;
+  CorrelatedDraws right_, down_, size_;  ///< The error that a gate's corners share.
   FalsePair false_lower_, false_bars_, false_cut_;
 };
 

@@ -13,8 +13,8 @@ namespace gatefly::sim {
 
 /// Light that falls on every node of a list of rectangles, by light group.
 ///
-/// Lights of a group are as bright as their materials say; a day's group gains multiply later, so
-/// one map serves every day.
+/// Lights of a group are as bright as their materials say; a seed's group gains multiply later, so
+/// one map serves every seed.
 struct LightMap {
   std::vector<NodeLight>
       nodes;  ///< Rectangle r's node (i, j) is r.first_node + j (r.cells_u + 1) + i.

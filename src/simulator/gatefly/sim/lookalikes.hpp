@@ -36,7 +36,7 @@ struct Place {
   double size = 0.0;    ///< 0..1: which part of all alarms is smaller than those from here.
   double chance = 0.0;  ///< Standard normal: how good or bad a gate it makes.
 };
-/// Twelve of them on walls, one day's.
+/// Twelve of them on walls, one seed's.
 [[nodiscard]] std::vector<Place> places_of(const world::World& world, std::uint64_t seed);
 
 /// Which of them are in sight and in the picture.

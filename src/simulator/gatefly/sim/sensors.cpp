@@ -73,8 +73,8 @@ Imu ImuModel::measure(const BodyState& state, double dt) {
 
 std::optional<double> SonarModel::measure(const BodyState& state, const Sight* scene) {
   const Eigen::Matrix3d R_EB = R_EB_of(state.q_EB);
-  const double jitter = truth_.sonar_noise * noise_.normal(), luck = noise_.uniform();
-  if (R_EB(2, 2) < 0.7 || luck < truth_.sonar_loss) return std::nullopt;
+  const double jitter = truth_.sonar_noise * noise_.normal(), chance = noise_.uniform();
+  if (R_EB(2, 2) < 0.7 || chance < truth_.sonar_loss) return std::nullopt;
   double nearest = truth_.sonar_max + 1.0;
   // A cone of ±15°: rings of 1, 6 and 12 rays.
   for (int ring = 0; ring < 3; ++ring) {
@@ -91,7 +91,7 @@ std::optional<double> SonarModel::measure(const BodyState& state, const Sight* s
       nearest = std::min(nearest, range);
     }
   }
-  const bool twice = luck > 1.0 - truth_.sonar_double;  // to the floor, the belly, and again
+  const bool twice = chance > 1.0 - truth_.sonar_double;  // to the floor, the belly, and again
   const double measured = (twice ? 2.0 : 1.0) * nearest + jitter;
   if (measured > truth_.sonar_max || measured < 0.02) return std::nullopt;
   return std::round(measured * 1000.0) / 1000.0;

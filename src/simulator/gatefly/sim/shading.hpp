@@ -52,7 +52,7 @@ class Shader {
   [[nodiscard]] float second_share(const Surface& surface, float u, float v) const;
 
   std::vector<Surface> surfaces_;
-  std::vector<Float4> nodes_;  // irradiance / π with the day's gains
+  std::vector<Float4> nodes_;  // irradiance / π with the seed's gains
   std::array<float, static_cast<std::size_t>(kNoise) * kNoise> noise_{};
 };
 

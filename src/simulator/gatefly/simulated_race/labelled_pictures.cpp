@@ -69,25 +69,25 @@ bool is_free(const sim::Sight& sight, const Eigen::Vector3d& p_E) {
 
 class AroundTheRoom {
  public:
-  AroundTheRoom(const world::SimConfig& day, std::uint64_t seed,
+  AroundTheRoom(const world::SimConfig& config, std::uint64_t seed,
                 const std::function<void()>& between)
-      : day_{day}, sight_{day.world}, stream_{seed, "poses"}, between_{between} {}
+      : config_{config}, sight_{config.world}, stream_{seed, "poses"}, between_{between} {}
 
   PictureMoment next() {
-    const Eigen::Vector2d half = 0.5 * day_.world.room_size.head<2>();
+    const Eigen::Vector2d half = 0.5 * config_.world.room_size.head<2>();
     for (;;) {
       if (between_) between_();
       const auto index = static_cast<std::size_t>(
-          stream_.uniform(0.0, static_cast<double>(day_.world.gates.size())));
-      const world::WorldGate& gate = day_.world.gates[index];
+          stream_.uniform(0.0, static_cast<double>(config_.world.gates.size())));
+      const world::WorldGate& gate = config_.world.gates[index];
       const double distance = stream_.uniform(0.8, 7.0);
       const double aside =
           stream_.uniform(-60.0, 60.0) * kDegree + (stream_.uniform() < 0.15 ? kPi : 0.0);
       const double bearing = gate.yaw_EG + aside;
-      const Eigen::Vector3d p{
-          gate.p_EG.x() - distance * gatefly::cos(bearing),
-          gate.p_EG.y() - distance * gatefly::sin(bearing),
-          std::clamp(gate.p_EG.z() + 0.3 * stream_.normal(), 0.4 - day_.world.room_size.z(), -0.4)};
+      const Eigen::Vector3d p{gate.p_EG.x() - distance * gatefly::cos(bearing),
+                              gate.p_EG.y() - distance * gatefly::sin(bearing),
+                              std::clamp(gate.p_EG.z() + 0.3 * stream_.normal(),
+                                         0.4 - config_.world.room_size.z(), -0.4)};
       const bool anywhere = stream_.uniform() < 0.2;
       const Attitude attitude{.roll = 8.0 * kDegree * stream_.normal(),
                               .pitch = (-3.0 + 5.0 * stream_.normal()) * kDegree,
@@ -98,7 +98,7 @@ class AroundTheRoom {
                               speed * gatefly::sin(attitude.yaw), 0.2 * stream_.normal()};
       const Eigen::Vector3d turn{0.5 * stream_.normal(), 0.3 * stream_.normal(),
                                  0.4 * stream_.normal()};
-      const Eigen::Vector2d off = (p.head<2>() - day_.world.room_center).cwiseAbs();
+      const Eigen::Vector2d off = (p.head<2>() - config_.world.room_center).cwiseAbs();
       if ((off.array() > half.array() - 0.3).any() || !is_free(sight_, p)) continue;
       PictureMoment moment{0.0, {}, true};
       for (const double t : {-0.02, 0.0, 0.02, 0.04, 0.06})
@@ -111,7 +111,7 @@ class AroundTheRoom {
   }
 
  private:
-  const world::SimConfig& day_;
+  const world::SimConfig& config_;
   sim::SolidSight sight_;
   sim::Stream stream_;
   const std::function<void()>& between_;
@@ -142,8 +142,9 @@ std::vector<PictureMoment> chosen(std::vector<PictureMoment> moments, std::size_
   return kept;
 }
 
-std::vector<PictureMoment> moments_of_day(const Race& race, const PictureOrder& order,
-                                          std::size_t count, const std::function<void()>& between) {
+std::vector<PictureMoment> moments_of_seed(const Race& race, const PictureOrder& order,
+                                           std::size_t count,
+                                           const std::function<void()>& between) {
   sim::Stream stream{race.identity.seed, "pictures"};
   const auto from_race =
       count - static_cast<std::size_t>(std::lround(order.around * static_cast<double>(count)));
@@ -157,10 +158,10 @@ std::vector<PictureMoment> moments_of_day(const Race& race, const PictureOrder& 
 }
 
 /// Looks take turns, the track's own first.
-std::string look_of_day(const std::string& own, std::size_t day) {
+std::string look_of_seed(const std::string& own, std::size_t nth) {
   const auto& looks = config::track_key("room", "look").choices;
   const auto first = std::find(looks.begin(), looks.end(), own) - looks.begin();
-  return looks[(static_cast<std::size_t>(first) + day) % looks.size()];
+  return looks[(static_cast<std::size_t>(first) + nth) % looks.size()];
 }
 
 std::vector<Eigen::Vector3d> places_of(const std::vector<PictureMoment>& moments) {
@@ -173,17 +174,17 @@ std::vector<Eigen::Vector3d> places_of(const std::vector<PictureMoment>& moments
 
 }  // namespace
 
-std::size_t days_of(const PictureOrder& order) {
-  return (order.pictures + order.per_day - 1) / order.per_day;
+std::size_t seeds_of(const PictureOrder& order) {
+  return (order.pictures + order.per_seed - 1) / order.per_seed;
 }
 
-void render_day(const RaceMaker& maker, const PictureOrder& order, std::size_t day,
-                const std::function<bool(Picture&&)>& each, const std::function<void()>& between) {
-  Race race = maker.race(order.first_seed + day);
-  if (order.varied) race.config.sim.world.look = look_of_day(race.config.sim.world.look, day);
-  const std::size_t first = day * order.per_day;
-  const std::size_t count = std::min(order.per_day, order.pictures - first);
-  const std::vector<PictureMoment> moments = moments_of_day(race, order, count, between);
+void render_seed(const RaceMaker& maker, const PictureOrder& order, std::size_t nth,
+                 const std::function<bool(Picture&&)>& each, const std::function<void()>& between) {
+  Race race = maker.race(order.first_seed + nth);
+  if (order.varied) race.config.sim.world.look = look_of_seed(race.config.sim.world.look, nth);
+  const std::size_t first = nth * order.per_seed;
+  const std::size_t count = std::min(order.per_seed, order.pictures - first);
+  const std::vector<PictureMoment> moments = moments_of_seed(race, order, count, between);
   if (order.varied) vary(race.config.sim, race.identity.seed, places_of(moments));
   if (order.without_gates)
     for (world::WorldGate& gate : race.config.sim.world.gates) gate.missing = true;

@@ -107,14 +107,14 @@ void vary_sensor(world::LightConditions& light, std::uint64_t seed) {
 
 }  // namespace
 
-void vary(world::SimConfig& day, std::uint64_t seed,
+void vary(world::SimConfig& config, std::uint64_t seed,
           const std::vector<Eigen::Vector3d>& keep_clear) {
-  vary_lamps(day.light, seed);
-  vary_sensor(day.light, seed);
-  vary_gates(day.world, seed);
-  add_clutter(day.world, seed, keep_clear);
-  vary_camera(day.camera, seed);
-  day.light.surfaces = seed + 1;  // 0 would leave them as they are
+  vary_lamps(config.light, seed);
+  vary_sensor(config.light, seed);
+  vary_gates(config.world, seed);
+  add_clutter(config.world, seed, keep_clear);
+  vary_camera(config.camera, seed);
+  config.light.surfaces = seed + 1;  // 0 would leave them as they are
 }
 
 Stored varied_recording(std::uint64_t seed) {

@@ -45,8 +45,8 @@ Negatives rendered_ones(const char* track, const Options& options) {
                       .shake_deg = 4.0,
                       .settings = {}};
   const TwinOrder order{.first_seed = first_seed(options, kAlarmsReported, kAlarmsLookedAt),
-                        .days = 17,
-                        .per_day = 10,
+                        .seeds = 17,
+                        .per_seed = 10,
                         .without_gates = true};
   return {.name = std::string{"rendered "} + track,
           .pictures = rendered_pictures(room, order, options)};

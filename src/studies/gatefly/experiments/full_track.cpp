@@ -27,7 +27,7 @@ using simulated_race::Vision;
 constexpr std::uint64_t kTrackReported = 2401,
                         kTrackLookedAt = 1401;       // first seeds: in full, quick
 constexpr int kWanted = 3;                           // flights shown, as in the paper
-constexpr std::size_t kTries = 24, kQuickTries = 4;  // days that are tried for them
+constexpr std::size_t kTries = 24, kQuickTries = 4;  // seeds that are tried for them
 constexpr double kPeriod = 0.05;                     // between samples of a flight [s]
 // The stretch before G2, the longest straight: there the speed is nearest to a steady one.
 constexpr int kLongestTo = 1;
@@ -48,7 +48,7 @@ std::vector<Contender> contenders() {
           {"ours", {}, {}, 0.0, ""}};
 }
 
-/// A day's flight.
+/// A seed's flight.
 struct Race {
   std::uint64_t seed = 0;
   RaceResult result;
@@ -87,8 +87,8 @@ Race flown(const Contender& who, std::uint64_t seed, const Options& options) {
   return flight;
 }
 
-/// Days in order until three flights have finished.
-struct Days {
+/// Seeds in order until three flights have finished.
+struct Seeds {
   std::vector<Race> all;
   [[nodiscard]] std::vector<const Race*> shown() const {
     std::vector<const Race*> good;
@@ -143,13 +143,13 @@ drawing::Plot height_plot(const std::string& name, const std::vector<const Race*
   return plot;
 }
 
-drawing::Canvas picture_of(const std::vector<Contender>& who, const std::vector<Days>& days,
+drawing::Canvas picture_of(const std::vector<Contender>& who, const std::vector<Seeds>& seeds,
                            const Track& track) {
   constexpr int kView = 600;  // wide; the plot of heights beside it
   drawing::Canvas canvas(drawing::kPlotWidth, drawing::kRowHeight * static_cast<int>(who.size()));
   for (std::size_t i = 0; i < who.size(); ++i) {
     const double y = static_cast<double>(i) * drawing::kRowHeight;
-    const auto shown = days[i].shown();
+    const auto shown = seeds[i].shown();
     std::vector<Trajectory> ways;
     for (std::size_t k = 0; k < shown.size(); ++k) ways.push_back({shown[k]->estimate, kColors[k]});
     canvas.text(
@@ -168,11 +168,11 @@ drawing::Canvas picture_of(const std::vector<Contender>& who, const std::vector<
 
 Result full_track(const Options& options) {
   const std::vector<Contender> who = contenders();
-  std::vector<Days> days(who.size());
+  std::vector<Seeds> seeds(who.size());
   const std::size_t tries = options.quick ? kQuickTries : kTries;
-  for (auto& each : days) each.all.resize(tries);
+  for (auto& each : seeds) each.all.resize(tries);
   in_pieces(who.size() * tries, options, [&](std::size_t i) {
-    days[i / tries].all[i % tries] = flown(
+    seeds[i / tries].all[i % tries] = flown(
         who[i / tries], first_seed(options, kTrackReported, kTrackLookedAt) + i % tries, options);
   });
   const Track track = race_on("showroom-li18", 0, Vision::kIdeal, 1).pilot.track;
@@ -182,16 +182,16 @@ Result full_track(const Options& options) {
                 .csv =
                     "who,seed,finished,gates,cause,time_s,mean_speed_mps,straight_speed_mps,"
                     "lap_length_m,rmse_x_m,rmse_y_m,rmse_z_m\n",
-                .picture = picture_of(who, days, track)};
+                .picture = picture_of(who, seeds, track)};
   const auto speed = [](const Race& f) { return f.result.mean_speed; };
   const auto time = [](const Race& f) { return f.result.race_time; };
   for (std::size_t i = 0; i < who.size(); ++i) {
-    const auto shown = days[i].shown();
+    const auto shown = seeds[i].shown();
     const std::string& name = who[i].name;
     const bool is_paper = who[i].pitch != 0.0;
     result.table.push_back({name + ": flights of 15 gates",
                             is_paper ? "3 shown; by names 5 of a day's 104 logs" : "",
-                            std::to_string(days[i].finished()) + " of " + std::to_string(tries) +
+                            std::to_string(seeds[i].finished()) + " of " + std::to_string(tries) +
                                 " days, level none, our detector's statistics"});
     result.table.push_back(
         {"  mean speed of the three", who[i].paper_speed, each_of(shown, 2, speed) + " m/s"});
@@ -205,12 +205,12 @@ Result full_track(const Options& options) {
     result.table.push_back({"  15 gates in", "", each_of(shown, 1, time) + " s"});
     result.table.push_back({"  a lap", is_paper ? "41 m, nominal" : "",
                             each_of(shown, 0, [](const Race& f) { return f.lap_length; }) + " m"});
-    const std::string causes = causes_of(days[i].results());
+    const std::string causes = causes_of(seeds[i].results());
     if (!causes.empty())
       result.table.push_back(
           {"  the others ended", is_paper ? "crashes at gates 2-5" : "", causes});
     auto list = nlohmann::ordered_json::array();
-    for (const Race& f : days[i].all) {
+    for (const Race& f : seeds[i].all) {
       const RaceResult& r = f.result;
       const std::string cause = cause_of(r);
       result.csv += "\"" + name + "\"," + std::to_string(f.seed) + "," + (r.finished ? "1" : "0") +
@@ -229,7 +229,7 @@ Result full_track(const Options& options) {
                       {"lap_length_m", number(f.lap_length)}});
     }
     result.json[name] = {{"days", tries},
-                         {"finished", days[i].finished()},
+                         {"finished", seeds[i].finished()},
                          {"mean_speed_mps", number(mean_of(shown, speed))},
                          {"flights", list}};
   }

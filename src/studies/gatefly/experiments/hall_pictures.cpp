@@ -20,7 +20,7 @@ tasks::ConfigArguments arguments_of(const HallCamera& camera, std::uint64_t seed
   const std::string focal = files::text_of(kFocalPx[seed % kFocalPx.size()]);
   tasks::ConfigArguments given{.configs = {"cameras/wide-usb.toml"},
                                .settings = {"camera.focal_px=[" + focal + ", " + focal + "]"}};
-  if (camera.days != HallCamera::Days::kRace)
+  if (camera.level != HallCamera::Level::kRace)
     given.settings.emplace_back("randomize.level=\"hard\"");
   if (camera.straight)
     for (const char* setting : {"camera.model=\"pinhole\"", "camera.distortion=[]"})
@@ -42,30 +42,30 @@ files::PictureToScore truth_of(const simulated_race::Picture& picture) {
 
 }  // namespace
 
-HallDay hall_day(const HallCamera& camera, std::uint64_t seed, std::size_t pictures,
-                 const Options& options) {
+HallSeed hall_seed(const HallCamera& camera, std::uint64_t seed, std::size_t pictures,
+                   const Options& options) {
   const tasks::ConfigArguments given = arguments_of(camera, seed);
-  HallDay day{.seed = seed, .config = tasks::load(given), .pictures = {}};
+  HallSeed hall{.seed = seed, .config = tasks::load(given), .pictures = {}};
   const simulated_race::RaceMaker maker(
       {.config = given, .track = "exhibition", .vision = "rendered", .laps = 1});
   const simulated_race::PictureOrder order{.pictures = pictures,
-                                           .per_day = pictures,
+                                           .per_seed = pictures,
                                            .first_seed = seed,
                                            .around = kAround,
-                                           .varied = camera.days == HallCamera::Days::kVaried};
+                                           .varied = camera.level == HallCamera::Level::kVaried};
   const auto stop = [&options] {
     if (options.stopped()) throw Stopped{};
   };
   const auto keep = [&](simulated_race::Picture&& picture) {
-    const config::CameraDescription& size = day.config.camera;
-    day.pictures.push_back(
+    const config::CameraDescription& size = hall.config.camera;
+    hall.pictures.push_back(
         {.name = std::to_string(seed) + " #" + std::to_string(picture.number),
          .file = {std::move(picture.uyvy), PixelFormat::kUyvy, size.width, size.height},
          .truth = truth_of(picture)});
     return true;
   };
-  simulated_race::render_day(maker, order, 0, keep, stop);
-  return day;
+  simulated_race::render_seed(maker, order, 0, keep, stop);
+  return hall;
 }
 
 }  // namespace gatefly::experiments

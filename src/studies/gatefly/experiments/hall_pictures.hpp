@@ -15,10 +15,10 @@ namespace gatefly::experiments {
 
 /// A camera of cameras/wide-usb.toml's kind: 640 x 480, JPEG 4:2:0.
 struct HallCamera {
-  enum class Days { kRace, kHard, kVaried };  ///< By [randomize] level; as `render --varied`.
+  enum class Level { kRace, kHard, kVaried };  ///< By [randomize] level; as `render --varied`.
 
   bool straight = false;  ///< A pinhole of the same focal length in the middle.
-  Days days = Days::kRace;
+  Level level = Level::kRace;
 };
 
 /// A rendered picture and what it shows.
@@ -33,8 +33,8 @@ struct HallPicture {
   [[nodiscard]] Image view() const { return file.view(0); }
 };
 
-/// One day in the exhibition hall: its own light, exposure, gates and lens.
-struct HallDay {
+/// One seed of the exhibition hall: its own light, exposure, gates and lens.
+struct HallSeed {
   std::uint64_t seed = 0;
   config::Config config;  ///< The detector gets the camera file, no more.
   std::vector<HallPicture> pictures;
@@ -42,7 +42,7 @@ struct HallDay {
 
 /// Half of the pictures from the racing line, half from anywhere. The lens has 130, 150 or 170
 /// degrees across, by seed; the straight one its focal length.
-[[nodiscard]] HallDay hall_day(const HallCamera& camera, std::uint64_t seed, std::size_t pictures,
-                               const Options& options);
+[[nodiscard]] HallSeed hall_seed(const HallCamera& camera, std::uint64_t seed, std::size_t pictures,
+                                 const Options& options);
 
 }  // namespace gatefly::experiments

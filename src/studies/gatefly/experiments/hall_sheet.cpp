@@ -13,7 +13,7 @@ namespace gatefly::experiments {
 namespace {
 
 constexpr int kWidth = 400, kHeight = 300, kCaption = 28, kGap = 8, kTop = 60, kColumns = 5;
-constexpr std::size_t kOfADay = 4;
+constexpr std::size_t kOfASeed = 4;
 
 drawing::Canvas tile_of(const HallPicture& picture, const HallGate& gate) {
   const Image image = picture.view();
@@ -38,12 +38,12 @@ drawing::Canvas tile_of(const HallPicture& picture, const HallGate& gate) {
 
 }  // namespace
 
-HallSheet::Tiles HallSheet::tiles_of(const HallDay& day, const std::vector<HallGate>& gates,
+HallSheet::Tiles HallSheet::tiles_of(const HallSeed& hall, const std::vector<HallGate>& gates,
                                      bool wrong) {
   Tiles tiles;
   for (const HallGate& gate : gates)
-    if (gate.is_false() == wrong && !gate.hit && tiles.size() < kOfADay)
-      tiles.push_back(tile_of(day.pictures[gate.picture], gate));
+    if (gate.is_false() == wrong && !gate.hit && tiles.size() < kOfASeed)
+      tiles.push_back(tile_of(hall.pictures[gate.picture], gate));
   return tiles;
 }
 

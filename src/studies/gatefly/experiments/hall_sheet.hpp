@@ -30,8 +30,8 @@ class HallSheet {
 
   explicit HallSheet(std::string title) : title_{std::move(title)} {}
 
-  /// At most a few of a day. @param wrong  false alarms, else misses.
-  [[nodiscard]] static Tiles tiles_of(const HallDay& day, const std::vector<HallGate>& gates,
+  /// At most a few of a seed. @param wrong  false alarms, else misses.
+  [[nodiscard]] static Tiles tiles_of(const HallSeed& hall, const std::vector<HallGate>& gates,
                                       bool wrong);
   void add(Tiles& tiles);
   [[nodiscard]] drawing::Canvas drawn() const;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // A camera and a hall that nothing was tuned for: rendered pictures of the exhibition hall through a
-// wide lens and through a straight one, colours learnt from the day's own pictures without labels.
+// wide lens and through a straight one, colours learnt from the seed's own pictures without labels.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -30,13 +30,13 @@ constexpr std::array<Condition, 5> kConditions{
     {{"wide", "lens of 130-170 degrees", {}},
      {"wide_unnamed", "the wide lens, not named", {}, false},
      {"straight", "straight lens", {.straight = true}},
-     {"wide_hard", "the wide lens, hard days", {.days = HallCamera::Days::kHard}},
-     {"wide_varied", "the wide lens, varied days", {.days = HallCamera::Days::kVaried}}}};
+     {"wide_hard", "the wide lens, hard days", {.level = HallCamera::Level::kHard}},
+     {"wide_varied", "the wide lens, varied days", {.level = HallCamera::Level::kVaried}}}};
 
-/// Days and pictures. The full run's days are for reports: nothing was ever tuned on them.
+/// Seeds and pictures. The full run's seeds are for reports: nothing was ever tuned on them.
 struct Order {
   std::uint64_t first_seed;
-  std::size_t days, per_day, conditions;
+  std::size_t seeds, per_seed, conditions;
 };
 constexpr Order kFull{3801, 20, 50, kConditions.size()}, kQuick{1001, 2, 10, 2};
 
@@ -44,7 +44,7 @@ constexpr Order kFull{3801, 20, 50, kConditions.size()}, kQuick{1001, 2, 10, 2};
 bool is_judged(std::size_t i) { return i % 5 == 1 || i % 5 == 3; }
 bool is_of_the_ten(std::size_t i) { return i % 5 == 0; }
 
-/// One day's outcome, with colours learnt from so many of its pictures.
+/// One seed's outcome, with colours learnt from so many of its pictures.
 struct Judgement {
   std::size_t learnt_from = 0, pictures = 0;
   bool learnt = false;
@@ -58,14 +58,14 @@ struct Judgement {
 /// The side of a gate, by its area [px].
 double side_of(const Quad& gate) { return std::sqrt(files::polygon_area(gate)); }
 
-Judgement judged(const HallDay& day, bool names_lens, bool ten) {
+Judgement judged(const HallSeed& hall, bool names_lens, bool ten) {
   std::vector<tuning::LabelledImage> own;
-  for (std::size_t i = 0; i < day.pictures.size(); ++i)
-    if (!is_judged(i) && (!ten || is_of_the_ten(i))) own.push_back({day.pictures[i].view(), {}});
-  tuning::Judging judging{.detector = day.config.pilot.detector};
+  for (std::size_t i = 0; i < hall.pictures.size(); ++i)
+    if (!is_judged(i) && (!ten || is_of_the_ten(i))) own.push_back({hall.pictures[i].view(), {}});
+  tuning::Judging judging{.detector = hall.config.pilot.detector};
   if (!names_lens) judging.detector.lens = {};
   const tuning::Tuned tuned =
-      tuning::tune_to_description(own, day.config.pilot.gate_color, judging, kFalsePerImage);
+      tuning::tune_to_description(own, hall.config.pilot.gate_color, judging, kFalsePerImage);
   tuning::Judging used = tuning::as_tuned(judging, tuned);
   used.lowest = used.detector.min_score;
   used.all = true;
@@ -75,26 +75,26 @@ Judgement judged(const HallDay& day, bool names_lens, bool ten) {
                    .min_score = used.lowest,
                    .lens = tuned.lens};
   std::vector<files::PictureToScore> scored;
-  for (std::size_t i = 0; i < day.pictures.size(); ++i) {
+  for (std::size_t i = 0; i < hall.pictures.size(); ++i) {
     if (!is_judged(i)) continue;
-    const HallPicture& picture = day.pictures[i];
+    const HallPicture& picture = hall.pictures[i];
     files::PictureToScore& truth = scored.emplace_back(picture.truth);
     const auto found = tuning::judged_in({picture.view(), picture.truth}, tuned.color, used);
     for (const tuning::Judged& gate : found) {
       truth.detections.push_back(gate.corners_px);
       if (gate.wrong > 0.0)
-        result.gates.push_back({day.seed, i, gate.corners_px, gate.score, false, "false alarm"});
+        result.gates.push_back({hall.seed, i, gate.corners_px, gate.score, false, "false alarm"});
     }
     for (const Quad& gate : picture.truth.gates) {
       const bool hit = std::any_of(found.begin(), found.end(), [&](const tuning::Judged& f) {
         return f.hit > 0.0 && files::matches(f.corners_px, gate, files::Rule::kOverlap70);
       });
       result.gates.push_back(
-          {day.seed, i, gate, 0.0, hit,
+          {hall.seed, i, gate, 0.0, hit,
            hit ? "" : cause_of_miss(picture.view(), gate, tuned.color, used.detector)});
     }
   }
-  const double angle = day.config.camera.width / day.config.camera.focal_px.x();
+  const double angle = hall.config.camera.width / hall.config.camera.focal_px.x();
   if (tuned.lens.says == tuning::GateLens::Says::kBent)
     result.lens_off = std::abs(tuned.lens.angle / angle - 1.0);
   result.pictures = scored.size();
@@ -102,15 +102,15 @@ Judgement judged(const HallDay& day, bool names_lens, bool ten) {
   return result;
 }
 
-/// All days of one condition.
+/// All seeds of one condition.
 struct Sum {
-  std::size_t learnt_from = 0, pictures = 0, days = 0, learnt = 0;
+  std::size_t learnt_from = 0, pictures = 0, seeds = 0, learnt = 0;
   int gates = 0, hits = 0, wrong = 0;
   std::vector<double> errors{};  ///< Errors of corners [px], sorted.
   std::array<files::HitRate, kSizes.size() - 1> by_size{};
   std::map<std::string, int> causes{};
-  std::vector<double> thresholds{};  ///< Each day's, sorted.
-  std::vector<double> lens_off{};    ///< On days on which the gates showed a bend, sorted.
+  std::vector<double> thresholds{};  ///< Each seed's, sorted.
+  std::vector<double> lens_off{};    ///< With seeds whose gates showed a bend, sorted.
 
   [[nodiscard]] double tpr() const { return static_cast<double>(hits) / std::max(1, gates); }
   [[nodiscard]] double fp_per_image() const {
@@ -118,19 +118,21 @@ struct Sum {
   }
 };
 
-Sum sum_of(const std::vector<Judgement>& days) {
-  Sum sum{.days = days.size()};
+Sum sum_of(const std::vector<Judgement>& judgements) {
+  Sum sum{.seeds = judgements.size()};
   for (std::size_t b = 0; b < sum.by_size.size(); ++b)
     sum.by_size[b] = {.from = kSizes[b], .to = kSizes[b + 1]};
-  for (const Judgement& day : days) {
-    sum.learnt_from = day.learnt_from, sum.pictures += day.pictures, sum.learnt += day.learnt;
-    sum.gates += day.score.gates, sum.hits += day.score.hits;
-    sum.wrong += day.score.false_positives;
-    sum.errors.insert(sum.errors.end(), day.score.best_order_px.begin(),
-                      day.score.best_order_px.end());
-    sum.thresholds.push_back(day.min_score);
-    if (day.lens.says == tuning::GateLens::Says::kBent) sum.lens_off.push_back(day.lens_off);
-    for (const HallGate& gate : day.gates) {
+  for (const Judgement& judgement : judgements) {
+    sum.learnt_from = judgement.learnt_from, sum.pictures += judgement.pictures,
+    sum.learnt += judgement.learnt;
+    sum.gates += judgement.score.gates, sum.hits += judgement.score.hits;
+    sum.wrong += judgement.score.false_positives;
+    sum.errors.insert(sum.errors.end(), judgement.score.best_order_px.begin(),
+                      judgement.score.best_order_px.end());
+    sum.thresholds.push_back(judgement.min_score);
+    if (judgement.lens.says == tuning::GateLens::Says::kBent)
+      sum.lens_off.push_back(judgement.lens_off);
+    for (const HallGate& gate : judgement.gates) {
       if (gate.is_false()) continue;
       for (files::HitRate& bin : sum.by_size)
         if (side_of(gate.corners_px) >= bin.from && side_of(gate.corners_px) < bin.to)
@@ -171,15 +173,15 @@ void add_rows(const Condition& condition, const Sum& sum, std::vector<Comparison
   if (!condition.names_lens)
     table.push_back(
         {"  lens found on the gates", "-",
-         "on " + std::to_string(sum.lens_off.size()) + " of " + files::amount(sum.days, "day") +
+         "on " + std::to_string(sum.lens_off.size()) + " of " + files::amount(sum.seeds, "day") +
              (sum.lens_off.empty()
                   ? ""
                   : ", its angle off by " + fixed(100.0 * files::quantile(sum.lens_off, 0.5), 1) +
                         " %, median, " + fixed(100.0 * sum.lens_off.back(), 1) + " % at most")});
-  if (sum.learnt < sum.days)
+  if (sum.learnt < sum.seeds)
     table.push_back(
         {"  too few gates to learn from", "-",
-         std::to_string(sum.days - sum.learnt) + " of " + files::amount(sum.days, "day")});
+         std::to_string(sum.seeds - sum.learnt) + " of " + files::amount(sum.seeds, "day")});
 }
 
 nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
@@ -192,7 +194,7 @@ nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
                {"p90", files::quantile(sum.errors, 0.9)}};
   return {{"condition", condition.key},
           {"learnt_from", sum.learnt_from},
-          {"days", sum.days},
+          {"days", sum.seeds},
           {"days_learnt", sum.learnt},
           {"pictures", sum.pictures},
           {"gates", sum.gates},
@@ -210,11 +212,11 @@ nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {
           {"missed", sum.causes}};
 }
 
-std::string csv_of(const Condition& condition, const std::vector<Judgement>& days) {
+std::string csv_of(const Condition& condition, const std::vector<Judgement>& judgements) {
   std::string csv;
-  for (const Judgement& day : days)
-    for (const HallGate& gate : day.gates)
-      csv += std::string{condition.key} + "," + std::to_string(day.learnt_from) + "," +
+  for (const Judgement& judgement : judgements)
+    for (const HallGate& gate : judgement.gates)
+      csv += std::string{condition.key} + "," + std::to_string(judgement.learnt_from) + "," +
              std::to_string(gate.seed) + "," + std::to_string(gate.picture) + "," +
              files::text_of(side_of(gate.corners_px), 4) + "," +
              (gate.is_false() ? "false"
@@ -257,29 +259,30 @@ Result other_camera(const Options& options) {
       alarms{"False alarms, " + std::string{kConditions[0].name}};
   for (std::size_t c = 0; c < order.conditions; ++c) {
     const Condition& condition = kConditions[c];
-    std::vector<Judgement> by_all(order.days), by_ten(order.days);
-    std::vector<HallSheet::Tiles> missed(order.days), wrong(order.days);
-    in_parallel(order.days, [&](std::size_t d) {
+    std::vector<Judgement> by_all(order.seeds), by_ten(order.seeds);
+    std::vector<HallSheet::Tiles> missed(order.seeds), wrong(order.seeds);
+    in_parallel(order.seeds, [&](std::size_t s) {
       if (options.stopped()) return;
-      const HallDay day = hall_day(condition.camera, order.first_seed + d, order.per_day, options);
+      const HallSeed hall =
+          hall_seed(condition.camera, order.first_seed + s, order.per_seed, options);
       if (options.stopped()) return;
-      by_all[d] = judged(day, condition.names_lens, false);
-      by_ten[d] = judged(day, condition.names_lens, true);
+      by_all[s] = judged(hall, condition.names_lens, false);
+      by_ten[s] = judged(hall, condition.names_lens, true);
       if (c > 0) return;
-      missed[d] = HallSheet::tiles_of(day, by_all[d].gates, false);
-      wrong[d] = HallSheet::tiles_of(day, by_all[d].gates, true);
+      missed[s] = HallSheet::tiles_of(hall, by_all[s].gates, false);
+      wrong[s] = HallSheet::tiles_of(hall, by_all[s].gates, true);
     });
     if (options.stopped()) throw Stopped{};
     options.progress(static_cast<double>(c + 1) / static_cast<double>(order.conditions),
                      condition.name);
-    for (const auto* days : {&by_all, &by_ten}) {
-      const Sum sum = sum_of(*days);
+    for (const auto* judgements : {&by_all, &by_ten}) {
+      const Sum sum = sum_of(*judgements);
       add_rows(condition, sum, result.table);
       list.push_back(json_of(condition, sum));
-      result.csv += csv_of(condition, *days);
+      result.csv += csv_of(condition, *judgements);
     }
     plot.series.push_back(curve_of(condition.name, sum_of(by_all), kColors[c]));
-    for (std::size_t d = 0; d < order.days; ++d) misses.add(missed[d]), alarms.add(wrong[d]);
+    for (std::size_t s = 0; s < order.seeds; ++s) misses.add(missed[s]), alarms.add(wrong[s]);
   }
   result.json["conditions"] = list;
   result.picture = drawing::draw(plot);

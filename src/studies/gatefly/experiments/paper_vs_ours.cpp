@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The whole original beside the whole of ours on the same days, and which box makes the difference:
-// one at a time is swapped. Nothing in Li18 to compare with but its own three flights.
+// The whole original beside the whole of ours on the same seeds, and which box makes the
+// difference: one at a time is swapped. Nothing in Li18 to compare with but its own three flights.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -70,7 +70,7 @@ std::vector<std::string> settings_of(const Mixture& mixture, Vision vision) {
   return settings;
 }
 
-/// One mixture's outcome on all days.
+/// One mixture's outcome on all seeds.
 struct Campaign {
   std::vector<RaceResult> races;
 
@@ -100,12 +100,12 @@ struct Campaign {
   [[nodiscard]] std::string causes() const { return causes_of(races); }
 };
 
-Campaign campaign_of(const Mixture& mixture, Vision vision, std::size_t days,
+Campaign campaign_of(const Mixture& mixture, Vision vision, std::size_t seeds,
                      const Options& options) {
   Campaign campaign;
-  campaign.races.resize(days);
+  campaign.races.resize(seeds);
   const auto settings = settings_of(mixture, vision);
-  in_pieces(days, options, [&](std::size_t i) {
+  in_pieces(seeds, options, [&](std::size_t i) {
     auto race =
         race_on("showroom-li18", 0, vision,
                 first_seed(options, kComparedReported, kComparedLookedAt) + i, false, {}, settings);

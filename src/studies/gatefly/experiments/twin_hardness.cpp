@@ -66,8 +66,8 @@ std::vector<Group> groups() {
 
 TwinOrder order_of(const Group& group, const Options& options) {
   const std::uint64_t first = first_seed(options, kHardReported, kHardLookedAt);
-  if (options.quick) return {.first_seed = first, .days = 30, .per_day = 20};
-  return {.first_seed = first, .days = 100, .per_day = group.rooms.size() > 1 ? 20u : 30u};
+  if (options.quick) return {.first_seed = first, .seeds = 30, .per_seed = 20};
+  return {.first_seed = first, .seeds = 100, .per_seed = group.rooms.size() > 1 ? 20u : 30u};
 }
 
 /// Both sides of a room.
@@ -280,7 +280,7 @@ void report_effects(const TwinRoom& room, const Options& options, Result& result
     without.shake_deg *= effect.shake;
     if (effect.kept_better) without.recording = files::Recording::kJpeg;
     const Pictures pictures = rendered_pictures(
-        without, {.first_seed = kHardLookedAt, .days = 30, .per_day = 20}, options);
+        without, {.first_seed = kHardLookedAt, .seeds = 30, .per_seed = 20}, options);
     std::string text;
     auto json = nlohmann::ordered_json::object();
     for (std::size_t m = 0; m < kTwinModes.size(); ++m) {
@@ -299,14 +299,14 @@ void report_effects(const TwinRoom& room, const Options& options, Result& result
   }
 }
 
-/// How differently the days go: spread of the rate between days with enough gates.
-std::string spread_of_days(const Pictures& pictures, const Outcomes& outcomes) {
-  std::map<std::uint64_t, std::pair<double, int>> days;
+/// How differently the seeds go: spread of the rate between seeds with enough gates.
+std::string spread_of_seeds(const Pictures& pictures, const Outcomes& outcomes) {
+  std::map<std::uint64_t, std::pair<double, int>> seeds;
   for (std::size_t i = 0; i < pictures.size(); ++i)
     if (pictures[i].gate && bin_of(*pictures[i].gate) >= 0 && bin_of(*pictures[i].gate) < 3)
-      days[pictures[i].day].first += outcomes[i].hit, ++days[pictures[i].day].second;
+      seeds[pictures[i].seed].first += outcomes[i].hit, ++seeds[pictures[i].seed].second;
   std::vector<double> rates;
-  for (const auto& [day, sum] : days)
+  for (const auto& [seed, sum] : seeds)
     if (sum.second >= 4) rates.push_back(sum.first / sum.second);
   std::sort(rates.begin(), rates.end());
   return fixed(files::quantile(rates, 0.1), 2) + " to " + fixed(files::quantile(rates, 0.9), 2) +
@@ -341,8 +341,8 @@ Result twin_hardness(const Options& options) {
     }
     for (const Sides& sides : rooms) {
       const auto spread = [&](const Pictures& pictures) {
-        return spread_of_days(pictures,
-                              outcomes(pictures, TwinMode::kPaper, sides.room->config, 1));
+        return spread_of_seeds(pictures,
+                               outcomes(pictures, TwinMode::kPaper, sides.room->config, 1));
       };
       result.table.push_back({sides.room->set + ", paper, below 4 m: days, 10 to 90 %",
                               spread(sides.real), spread(sides.rendered)});

@@ -125,8 +125,8 @@ class Comparisons {
   std::vector<Quantity> quantities_;
 };
 
-/// The truth of one seed's day.
-world::SimConfig day(std::uint64_t seed) {
+/// The truth of one seed.
+world::SimConfig config_of_seed(std::uint64_t seed) {
   const config::Config config = config::load_config(config::config_files({}));
   const config::TrackFile track = config::read_track(config::find_track("oval"), config.gate);
   return sim::drawn(config::simulator_config(config, track), world::randomize_level("race"), seed);
@@ -243,8 +243,8 @@ Result twin_liveliness(const Options& options) {
   for (std::size_t i = 0; i < count; ++i) {
     if (options.stopped()) throw Stopped{};
     options.progress(0.8 * static_cast<double>(i) / static_cast<double>(count), flights[i].name);
-    const LivelyFlight simulated =
-        flown_again(flights[i], day(first_seed(options, kLivelyReported, kLivelyLookedAt) + i));
+    const LivelyFlight simulated = flown_again(
+        flights[i], config_of_seed(first_seed(options, kLivelyReported, kLivelyLookedAt) + i));
     all.add(flights[i], simulated);
     if (i > 0) continue;
     const LivelyFlight& real = flights[i];

@@ -55,7 +55,7 @@ std::vector<TwinPicture> real_pictures(const TwinRoom& room, const Options& opti
                         .file = std::move(set.files[i]),
                         .gate = {},
                         .others = unlabelled[i],
-                        .day = i / 50});
+                        .seed = i / 50});
     if (!row.gates.empty()) pictures.back().gate = row.gates.front();
   }
   return pictures;
@@ -67,8 +67,8 @@ std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder
                                          .track = room.track,
                                          .vision = "rendered",
                                          .laps = 1});
-  const simulated_race::PictureOrder order{.pictures = twin_order.days * twin_order.per_day,
-                                           .per_day = twin_order.per_day,
+  const simulated_race::PictureOrder order{.pictures = twin_order.seeds * twin_order.per_seed,
+                                           .per_seed = twin_order.per_seed,
                                            .first_seed = twin_order.first_seed,
                                            .around = 0.0,
                                            .shake = room.shake_deg * kDegree,
@@ -77,15 +77,15 @@ std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder
   const world::CameraTruth& camera = race.config.sim.camera;
   const world::WorldGate& gate = race.config.sim.world.gates.front();
   std::vector<TwinPicture> pictures(order.pictures);
-  in_parallel(twin_order.days, [&](std::size_t day) {
+  in_parallel(twin_order.seeds, [&](std::size_t nth) {
     const auto stop = [&options] {
       if (options.stopped()) throw Stopped{};
     };
-    sim::Stream noise{order.first_seed + day, "labels"};
+    sim::Stream noise{order.first_seed + nth, "labels"};
     const auto keep = [&](simulated_race::Picture&& picture) {
       TwinPicture& to = pictures[picture.number];
       to.name = "seed " + std::to_string(picture.seed);
-      to.day = picture.seed;
+      to.seed = picture.seed;
       const Image stored{picture.uyvy.data(), PixelFormat::kUyvy, camera.stored_width,
                          camera.stored_height, 0};
       to.file = files::decoded_jpeg(to.name, files::recorded_jpeg(stored, room.recording));
@@ -93,7 +93,7 @@ std::vector<TwinPicture> rendered_pictures(const TwinRoom& room, const TwinOrder
             noise);
       return true;
     };
-    simulated_race::render_day(maker, order, day, keep, stop);
+    simulated_race::render_seed(maker, order, nth, keep, stop);
   });
   return pictures;
 }

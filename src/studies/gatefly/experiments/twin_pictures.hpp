@@ -20,7 +20,7 @@ struct TwinPicture {
   files::ImageFile file;
   std::optional<Quad> gate;  ///< The one to fly through, all corners in view: middle of the bars.
   std::vector<Quad> others;  ///< Gates where a detection is no mistake.
-  std::uint64_t day = 0;     ///< Seed of its light; 50 rows of a real set.
+  std::uint64_t seed = 0;    ///< Seed of its light; 50 rows of a real set.
 
   [[nodiscard]] Image view() const { return file.view(90); }
 };
@@ -42,7 +42,7 @@ struct TwinRoom {
 /// How many are rendered.
 struct TwinOrder {
   std::uint64_t first_seed = 1001;
-  std::size_t days = 30, per_day = 20;
+  std::size_t seeds = 30, per_seed = 20;
   bool without_gates = false;
 };
 

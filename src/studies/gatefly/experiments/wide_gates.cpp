@@ -64,7 +64,7 @@ WideLooks looks_of(const simulated_race::RaceMaker& maker,
     looks.add(picture, race.config.sim.world, found_in(image, params, detector));
     return true;
   };
-  simulated_race::render_day(maker, order, seed, take, stop);
+  simulated_race::render_seed(maker, order, seed, take, stop);
   return looks;
 }
 
@@ -190,7 +190,7 @@ Result wide_gates(const Options& options) {
        .vision = "rendered",
        .laps = 1});
   const simulated_race::PictureOrder order{.pictures = wide.seeds * wide.per_seed,
-                                           .per_day = wide.per_seed,
+                                           .per_seed = wide.per_seed,
                                            .first_seed = wide.first_seed};
   std::vector<WideLooks> by_seed(wide.seeds);
   in_parallel(wide.seeds, [&](std::size_t i) {

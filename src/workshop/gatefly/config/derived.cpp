@@ -24,7 +24,7 @@ AnyCamera lens_of(const CameraDescription& c) {
   return {DhaneFisheye{c.focal_px, c.center_px, d[0]}};
 }
 
-/// Dhane's model with k = 1 is the straight lens, and has a k that a day can vary.
+/// Dhane's model with k = 1 is the straight lens, and has a k that a seed can vary.
 AnyCamera lens_with_distortion(const CameraDescription& c) {
   if (c.model == "pinhole") return {DhaneFisheye{c.focal_px, c.center_px, 1.0}};
   return lens_of(c);

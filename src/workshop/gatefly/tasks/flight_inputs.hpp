@@ -35,7 +35,7 @@ void expect_whole(const std::filesystem::path& directory, const flight_log::Flig
 /// nullopt where its settings do not say.
 [[nodiscard]] std::optional<int> laps_of_flight(const std::filesystem::path& directory);
 
-/// The day it was flown on. @throws std::runtime_error one line, when summary.json does not say it.
+/// Its seed. @throws std::runtime_error one line, when summary.json does not say it.
 [[nodiscard]] std::uint64_t seed_of_flight(const std::filesystem::path& directory);
 
 /// Its gates as they stood, by summary.json; empty where that does not say.

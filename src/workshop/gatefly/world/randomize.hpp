@@ -5,7 +5,7 @@
 
 namespace gatefly::world {
 
-/// Sizes of what one day varies: one standard deviation each, drawn cut at 2.5 σ.
+/// Sizes of what one seed varies: one standard deviation each, drawn cut at 2.5 σ.
 /// [docs/simulation.md]
 struct Randomize {
   double gate_position = 0.0, gate_heading = 0.0, gate_height = 0.0;  ///< [m], [rad], [m]

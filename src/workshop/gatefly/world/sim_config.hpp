@@ -171,7 +171,7 @@ struct CameraTruth {
   }
 };
 
-/// Draws of a day for the light and the sensor's handling of it.
+/// Draws of a seed for the light and the sensor's handling of it.
 struct LightConditions {
   static constexpr int kGroups = 3;  ///< e.g. ceiling, showcases, windows
   /// Relative brightness of each light group.

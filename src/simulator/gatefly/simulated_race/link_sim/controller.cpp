@@ -118,19 +118,19 @@ double Controller::part_of(double pulse_us) {
 }
 
 std::unique_ptr<Controller> controller_of(const LinkSimParams& params,
-                                          const world::SimConfig& day) {
+                                          const world::SimConfig& config) {
   if (params.autopilot == Autopilot::kTs002)
     return std::make_unique<Ts002End>(Ts002End::Params{.port = params.ports.mavlink,
                                                        .tells_attitude = params.tells_attitude,
                                                        .network = params.network},
-                                      day);
+                                      config);
   if (params.autopilot == Autopilot::kPx4)
     return std::make_unique<Px4End>(Px4End::Params{.simulator = params.ports.state,
                                                    .companion = params.ports.controller,
                                                    .station = params.ports.radio,
                                                    .port = params.ports.mavlink,
                                                    .network = params.network},
-                                    day);
+                                    config);
   if (params.autopilot == Autopilot::kArduCopter)
     return std::make_unique<ArduPilotEnd>(params.ports);
   return std::make_unique<BetaflightEnd>(params.ports, params.release);

@@ -57,8 +57,8 @@ class Controller {
   std::optional<double> last_;
 };
 
-/// The one that the parameters name, in a day's drone. @throws std::runtime_error one line: a port is taken.
+/// The one that the parameters name, in a seed's drone. @throws std::runtime_error one line: a port is taken.
 [[nodiscard]] std::unique_ptr<Controller> controller_of(const LinkSimParams& params,
-                                                        const world::SimConfig& day);
+                                                        const world::SimConfig& config);
 
 }  // namespace gatefly::link_sim

@@ -14,7 +14,7 @@
 
 namespace gatefly::link_sim {
 
-/// A day's drone among its gates: motors in, what a flight controller's sensors feel out, and a referee who watches.
+/// A seed's drone among its gates: motors in, what a flight controller's sensors feel out, and a referee who watches.
 class DroneInWorld {
  public:
   DroneInWorld(const world::SimConfig& config, int laps);

@@ -34,14 +34,14 @@ std::string why_taken_back(const DroneInWorld& drone, const SafetyPilot& radio, 
 
 }  // namespace
 
-Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
+Outcome fly(const world::SimConfig& config, int laps, const LinkSimParams& params,
             const std::function<void(const std::string&)>& say,
             const std::function<void(const TrueMoment&)>& look, const std::function<bool()>& stop,
             const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;
-  const std::unique_ptr<Controller> controller = controller_of(params, day);
-  DroneInWorld drone{day, laps};
-  PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
+  const std::unique_ptr<Controller> controller = controller_of(params, config);
+  DroneInWorld drone{config, laps};
+  PictureFeed pictures{config, Datagrams::to(ports.pictures), params.network, while_baking};
   SafetyPilot radio{params.radio};
   std::optional<PacedLine> line;
   bool ready = false;
@@ -121,14 +121,14 @@ Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
   return outcome;
 }
 
-bool hold(const world::SimConfig& day, const std::string& asks, const LinkSimParams& params,
+bool hold(const world::SimConfig& config, const std::string& asks, const LinkSimParams& params,
           const std::function<void(const std::string&)>& say, const std::function<bool()>& stop,
           const std::function<void()>& while_baking) {
   const Ports& ports = params.ports;
   NewLines lines{asks};
-  const std::unique_ptr<Controller> controller = controller_of(params, day);
-  HeldDrone drone{day};
-  PictureFeed pictures{day, Datagrams::to(ports.pictures), params.network, while_baking};
+  const std::unique_ptr<Controller> controller = controller_of(params, config);
+  HeldDrone drone{config};
+  PictureFeed pictures{config, Datagrams::to(ports.pictures), params.network, while_baking};
   BenchHand hand;
   std::optional<PacedLine> line;
   bool ready = false;

@@ -76,24 +76,24 @@ struct Outcome {
   double longest_stall = 0.0;  ///< By which the physics was behind the clock [s].
 };
 
-/// Flies a day's drone by somebody else's flight controller and program, in real time: physics a thousand times a second, pictures
-/// as slices of JPEG, the safety pilot's radio, the serial line at its speed.
+/// Flies a seed's drone by somebody else's flight controller and program, in real time: physics a thousand times a
+/// second, pictures as slices of JPEG, the safety pilot's radio, the serial line at its speed.
 ///
 /// @param say   hears what happens, a line each. @param look  is shown the truth 50 times a second. @param stop  asked often; true ends it.
 /// @param while_baking  called while the room's light is baked; may throw to stop.
 /// @throws std::runtime_error one line: a port is taken.
-[[nodiscard]] Outcome fly(const world::SimConfig& day, int laps, const LinkSimParams& params,
+[[nodiscard]] Outcome fly(const world::SimConfig& config, int laps, const LinkSimParams& params,
                           const std::function<void(const std::string&)>& say,
                           const std::function<void(const TrueMoment&)>& look,
                           const std::function<bool()>& stop,
                           const std::function<void()>& while_baking);
 
-/// Holds a day's drone at a bench, propellers off, until `stop`: level and still, turned and switched as new lines of the file
-/// `asks` say (BenchHand), with the same controller, line and camera.
+/// Holds a seed's drone at a bench, propellers off, until `stop`: level and still, turned and switched as new lines of
+/// the file `asks` say (BenchHand), with the same controller, line and camera.
 ///
 /// @return false: no controller has told its motors.
 /// @throws std::runtime_error one line: a port is taken, `asks` cannot be read.
-[[nodiscard]] bool hold(const world::SimConfig& day, const std::string& asks,
+[[nodiscard]] bool hold(const world::SimConfig& config, const std::string& asks,
                         const LinkSimParams& params,
                         const std::function<void(const std::string&)>& say,
                         const std::function<bool()>& stop,

@@ -109,13 +109,13 @@ void GroundStation::step(double now, bool armed, bool offboard) {
              .command = kSetMode});
 }
 
-Px4End::Px4End(const Params& params, const world::SimConfig& day)
+Px4End::Px4End(const Params& params, const world::SimConfig& config)
     : door_{params.simulator},
       companion_{Datagrams::at(params.companion)},
-      program_{Datagrams::to(params.port), params.network, {day.seed, "network of set points"}},
+      program_{Datagrams::to(params.port), params.network, {config.seed, "network of set points"}},
       station_{params.station},
-      baro_{day.sensors, day.seed},
-      magnetometer_{day.seed, "magnetometer"} {}
+      baro_{config.sensors, config.seed},
+      magnetometer_{config.seed, "magnetometer"} {}
 
 template <class Message>
 void Px4End::say(const Message& message) {

@@ -63,7 +63,7 @@ class Px4End : public Controller {
     NetworkTroubles network;
   };
   /// @throws std::runtime_error one line: a port is taken.
-  Px4End(const Params& params, const world::SimConfig& day);
+  Px4End(const Params& params, const world::SimConfig& config);
 
   void listen(double now) override;
   void feel(const betaflight_sitl::State& is, const sim::BodyState& body) override;

@@ -6,8 +6,9 @@
 
 namespace gatefly::link_sim {
 
-TroubledLine::TroubledLine(Datagrams line, const NetworkTroubles& troubles, const sim::Stream& luck)
-    : line_{std::move(line)}, troubles_{troubles}, luck_{luck} {}
+TroubledLine::TroubledLine(Datagrams line, const NetworkTroubles& troubles,
+                           const sim::Stream& chance)
+    : line_{std::move(line)}, troubles_{troubles}, chance_{chance} {}
 
 void TroubledLine::send(link::Bytes bytes) {
   if (is_lost()) return;

@@ -22,7 +22,7 @@ struct NetworkTroubles {
 /// Datagrams that a bad network loses and swaps, in both directions.
 class TroubledLine {
  public:
-  TroubledLine(Datagrams line, const NetworkTroubles& troubles, const sim::Stream& luck);
+  TroubledLine(Datagrams line, const NetworkTroubles& troubles, const sim::Stream& chance);
 
   void send(link::Bytes bytes);
   /// Sends what still waits for a next one.
@@ -31,12 +31,12 @@ class TroubledLine {
   [[nodiscard]] std::optional<link::Bytes> receive();
 
  private:
-  [[nodiscard]] bool is_lost() { return luck_.uniform() < troubles_.loss; }
-  [[nodiscard]] bool is_swapped() { return luck_.uniform() < troubles_.reorder; }
+  [[nodiscard]] bool is_lost() { return chance_.uniform() < troubles_.loss; }
+  [[nodiscard]] bool is_swapped() { return chance_.uniform() < troubles_.reorder; }
 
   Datagrams line_;
   NetworkTroubles troubles_;
-  sim::Stream luck_;
+  sim::Stream chance_;
   std::vector<std::uint8_t> out_, in_;  ///< Each waits for the one after it; empty: none does.
   bool in_is_due_ = false;
   std::array<std::uint8_t, 2048> room_{};

@@ -29,16 +29,16 @@ float f(double value) { return static_cast<float>(value); }
 
 }  // namespace
 
-Ts002End::Ts002End(const Params& params, const world::SimConfig& day)
+Ts002End::Ts002End(const Params& params, const world::SimConfig& config)
     : params_{params},
-      line_{Datagrams::to(params.port), params.network, {day.seed, "network of set points"}},
-      curves_{day.autopilot},
-      autopilot_{day.autopilot, day.vehicle},
-      highest_{day.vehicle.max_speed},
-      hover_{day.vehicle.mass * kGravity /
-             (4 * day.vehicle.thrust_coefficient * highest_ * highest_)},
-      gyro_{day.sensors.autopilot_gyro_cutoff},
-      accel_{day.sensors.autopilot_accel_cutoff} {}
+      line_{Datagrams::to(params.port), params.network, {config.seed, "network of set points"}},
+      curves_{config.autopilot},
+      autopilot_{config.autopilot, config.vehicle},
+      highest_{config.vehicle.max_speed},
+      hover_{config.vehicle.mass * kGravity /
+             (4 * config.vehicle.thrust_coefficient * highest_ * highest_)},
+      gyro_{config.sensors.autopilot_gyro_cutoff},
+      accel_{config.sensors.autopilot_accel_cutoff} {}
 
 template <class Message>
 void Ts002End::say(const Message& message) {

@@ -27,7 +27,7 @@ class Ts002End : public Controller {
     NetworkTroubles network;
   };
   /// @throws std::runtime_error one line.
-  Ts002End(const Params& params, const world::SimConfig& day);
+  Ts002End(const Params& params, const world::SimConfig& config);
 
   void listen(double now) override;
   void feel(const betaflight_sitl::State& told, const sim::BodyState& body) override;

@@ -29,17 +29,18 @@ History history_before(const world::WorldGate& gate, double distance) {
 
 }  // namespace
 
-std::vector<Stage> camera_stages(const world::SimConfig& day,
+std::vector<Stage> camera_stages(const world::SimConfig& config,
                                  const std::function<void()>& while_baking) {
   auto histories = std::make_shared<std::vector<History>>();
-  for (const world::WorldGate& gate : day.world.gates)
+  for (const world::WorldGate& gate : config.world.gates)
     for (const double distance : {1.0, 2.0, 3.0, 4.0, 6.0})
       histories->push_back(history_before(gate, distance));
   const auto stage = [&](const char* name, const char* what, bool fast, const char* baseline) {
-    world::CameraTruth camera = day.camera;
+    world::CameraTruth camera = config.camera;
     camera.fast = fast;
-    const auto renderer = std::make_shared<sim::CameraRenderer>(
-        day.world, camera, day.light, day.seed, day.cache_dir, day.bake_threads, while_baking);
+    const auto renderer =
+        std::make_shared<sim::CameraRenderer>(config.world, camera, config.light, config.seed,
+                                              config.cache_dir, config.bake_threads, while_baking);
     const auto bytes = std::make_shared<std::vector<std::uint8_t>>();
     return Stage{.name = name,
                  .what = what,

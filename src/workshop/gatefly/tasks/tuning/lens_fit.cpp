@@ -286,7 +286,7 @@ GateLens fit_lens(std::span<const BowedSide> sides) {
   constexpr int kLeastGates = 4;
   constexpr double kSure = 3.0;                 // standard deviations
   constexpr double kStraight = 45.0 * kDegree;  // a side of half the width bows by .2 % of it
-  // No lens is quite equidistant, no bar's image quite a parabola. [rendered days: 0 to 4 % low]
+  // No lens is quite equidistant, no bar's image quite a parabola. [rendered seeds: 0 to 4 % low]
   constexpr double kModel = 0.02;
   GateLens lens{.sides = static_cast<int>(sides.size())};
   std::vector<std::size_t> gates;

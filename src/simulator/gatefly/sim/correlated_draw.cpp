@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "gatefly/sim/luck.hpp"
+#include "gatefly/sim/correlated_draw.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,35 +36,37 @@ std::uint32_t moment_of(double t) {
   return static_cast<std::uint32_t>(std::llround(std::max(0.0, t) * kMomentsPerSecond));
 }
 
-Luck::Luck(const Staying& staying, double day, const Stream& stream)
-    : day_{std::sqrt(staying.day) * day},
+CorrelatedDraw::CorrelatedDraw(const Staying& staying, double seed_part, const Stream& stream)
+    : seed_part_{std::sqrt(staying.seed) * seed_part},
       row_share_{std::sqrt(staying.row)},
-      new_share_{std::sqrt(std::max(0.0, 1.0 - staying.day - staying.row))},
+      new_share_{std::sqrt(std::max(0.0, 1.0 - staying.seed - staying.row))},
       same_{std::exp(-1.0 / (kMomentsPerSecond * staying.time))},
       stream_{stream},
       row_{normal_at(stream_, 0, 0, kRow)} {}
 
-double Luck::normal(double t) {
+double CorrelatedDraw::normal(double t) {
   const std::uint32_t now = moment_of(t);
   while (moment_ < now)
     row_ = same_ * row_ + std::sqrt(1.0 - same_ * same_) * normal_at(stream_, ++moment_, 0, kRow);
-  return day_ + row_share_ * row_ + new_share_ * normal_at(stream_, now, 0, kNew);
+  return seed_part_ + row_share_ * row_ + new_share_ * normal_at(stream_, now, 0, kNew);
 }
 
-double Luck::part(double t) { return normal_cdf(normal(t)); }
+double CorrelatedDraw::part(double t) { return normal_cdf(normal(t)); }
 
-Lucks::Lucks(std::uint64_t seed, const std::string& name, const Staying& staying, bool shared)
+CorrelatedDraws::CorrelatedDraws(std::uint64_t seed, const std::string& name,
+                                 const Staying& staying, bool shared)
     : seed_{seed}, name_{name}, staying_{staying}, shared_{shared} {}
 
-Luck& Lucks::of(int which) {
-  const auto known = lucks_.find(which);
-  if (known != lucks_.end()) return known->second;
+CorrelatedDraw& CorrelatedDraws::of(int which) {
+  const auto known = draws_.find(which);
+  if (known != draws_.end()) return known->second;
   const std::string own = name_ + " " + std::to_string(which);
-  Stream day{seed_, (shared_ ? name_ : own) + " day"};
-  return lucks_.emplace(which, Luck{staying_, day.normal(), Stream{seed_, own}}).first->second;
+  Stream of_seed{seed_, (shared_ ? name_ : own) + " day"};
+  return draws_.emplace(which, CorrelatedDraw{staying_, of_seed.normal(), Stream{seed_, own}})
+      .first->second;
 }
 
-bool Lucks::happens(int which, double rate, double t, double& surplus) {
+bool CorrelatedDraws::happens(int which, double rate, double t, double& surplus) {
   const double part = of(which).part(t);
   if (part >= rate) return false;
   surplus = 1.0 - part / rate;

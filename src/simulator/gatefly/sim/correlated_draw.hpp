@@ -27,13 +27,13 @@ class Draws {
 /// Number of a moment, for Draws; pictures are farther apart.
 [[nodiscard]] std::uint32_t moment_of(double t);
 
-/// A number that stays for a while: standard normal, one part of its variance the day's, one that
-/// stays with a thing for some time, the rest new at every moment. It follows from the time alone,
-/// not from which pictures came through.
-class Luck {
+/// A random number correlated in time: standard normal, one part of its variance the seed's, one
+/// that stays with a thing for some time, the rest new at every moment. It follows from the time
+/// alone, not from which pictures came through.
+class CorrelatedDraw {
  public:
-  /// @param day  standard normal: the day's part.
-  Luck(const Staying& staying, double day, const Stream& stream);
+  /// @param seed_part  standard normal.
+  CorrelatedDraw(const Staying& staying, double seed_part, const Stream& stream);
 
   /// At `t` [s]; in order.
   [[nodiscard]] double normal(double t);
@@ -41,19 +41,19 @@ class Luck {
   [[nodiscard]] double part(double t);
 
  private:
-  double day_, row_share_, new_share_, same_;
+  double seed_part_, row_share_, new_share_, same_;
   Stream stream_;
   double row_;
   std::uint32_t moment_ = 0;
 };
 
-/// The luck of every thing of a kind, each with a stream of its own.
-class Lucks {
+/// Draws for every thing of a kind, each with a stream of its own.
+class CorrelatedDraws {
  public:
-  /// @param shared  whether the day is the same for all things, else for each.
-  Lucks(std::uint64_t seed, const std::string& name, const Staying& staying, bool shared);
+  /// @param shared  whether the seed's part is the same for all things, else each has its own.
+  CorrelatedDraws(std::uint64_t seed, const std::string& name, const Staying& staying, bool shared);
 
-  [[nodiscard]] Luck& of(int which);
+  [[nodiscard]] CorrelatedDraw& of(int which);
   /// Whether something that happens to this part of the things happens now. When it does `surplus`
   /// is how well: uniform in 0..1, best 1.
   [[nodiscard]] bool happens(int which, double rate, double t, double& surplus);
@@ -63,7 +63,7 @@ class Lucks {
   std::string name_;
   Staying staying_;
   bool shared_;
-  std::map<int, Luck> lucks_;
+  std::map<int, CorrelatedDraw> draws_;
 };
 
 }  // namespace gatefly::sim
