@@ -26,7 +26,7 @@ import tempfile
 import threading
 import time
 
-from drone import DRONE, GREY_STREAM, PERIOD, Fake, end_of, signed
+from drone import DRONE, GREY_STREAM, PERIOD, Fake, end_of, goes_first, signed
 from program import GATEFLY, ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
@@ -50,6 +50,7 @@ class SerialLine(threading.Thread):
         self.start()
 
     def run(self):
+        goes_first()
         program, _ = self.listener.accept()
         controller = socket.create_connection(("127.0.0.1", self.controller))
         for each in (program, controller):
@@ -95,6 +96,7 @@ class Network(threading.Thread):
             self.sides[side].sendto(each, self.peers[side])
 
     def run(self):
+        goes_first()
         with contextlib.suppress(OSError):
             while not self.over:
                 ready, _, _ = select.select(self.sides, [], [], 0.001)
@@ -444,11 +446,11 @@ def spoofed(rng):
 
 
 FLOOD = """
-import socket, sys, time
+import os, socket, sys, time
 to, rate, data = ("127.0.0.1", int(sys.argv[1])), float(sys.argv[2]), bytes.fromhex(sys.argv[3])
-line, sent, begin = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), 0, time.monotonic()
+line, sent, begin, parent = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), 0, time.monotonic(), os.getppid()
 try:
-    while True:
+    while os.getppid() == parent:
         while sent < rate * (time.monotonic() - begin):
             line.sendto(data, to)
             sent += 1

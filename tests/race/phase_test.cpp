@@ -59,6 +59,28 @@ TEST(Phase, FliesForwardOnceHighEnoughAndGivesUpWhenItDoesNotClimb) {
   EXPECT_EQ(t.reason, AbortReason::kNoClimb);
 }
 
+TEST(Phase, WaitsAboveThePadForAFirstGateThatShouldShow) {
+  Situation s = flying();
+  s.gate_expected = true, s.since_fix = 1e3;
+  s.time = 9.0 + kParams.start_timeout - 0.1;
+  EXPECT_TRUE(is<TakeOff>(next_phase(TakeOff{9.0}, s, kParams)));
+  s.since_fix = kParams.seen_at_start - 0.1;
+  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, kParams))) << "it shows";
+  s.since_fix = 1e3, s.gate_expected = false;
+  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, kParams))) << "it cannot show from here";
+  s.gate_expected = true, s.lifted = true;
+  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, kParams))) << "somebody else flies";
+  s.lifted = false;
+  PhaseParams as_paper = kParams;
+  as_paper.goes_around = false;
+  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, as_paper)));
+  s.time = 9.0 + kParams.start_timeout + 0.1;
+  const Transition t = next_phase(TakeOff{9.0}, s, kParams);
+  ASSERT_TRUE(is<Land>(t));
+  EXPECT_TRUE(std::get<Land>(t.phase).in_a_hurry) << "it drifts while it waits";
+  EXPECT_EQ(t.reason, AbortReason::kGateNotFound);
+}
+
 TEST(Phase, TurnsWhereThePathCurvesAndTheArcKeepsItsPrediction) {
   Situation s = flying();
   EXPECT_TRUE(is<Straight>(next_phase(Straight{}, s, kParams)));

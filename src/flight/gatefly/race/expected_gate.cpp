@@ -45,6 +45,7 @@ std::optional<ExpectedGate> expected_gate(const eskf::ErrorStateFilter& filter, 
   const Eigen::Matrix3d R_EG = rotation_z(gate.yaw_EG + (across < 0.0 ? kPi : 0.0));
   const auto corners = gate_corners_G(shape.side - shape.bar);
   ExpectedGate expected;
+  expected.facing = std::abs(across);
   for (std::size_t i = 0; i < corners.size(); ++i) {
     const Eigen::Vector3d p_B = R_EB.transpose() * (way_E + R_EG * corners[i]);
     const Eigen::Vector3d p_C = x.R_BC.transpose() * (p_B - picture.camera.p_BC);
@@ -72,7 +73,7 @@ std::optional<ExpectedGate> expected_gate(const eskf::ErrorStateFilter& filter, 
   const double margin = kOfSide * upright + (kOfDistance * distance + kSigmas * sigma) * px_per_m;
   // Its shape may differ by so much because of the lens and the fit; more where the place is uncertain.
   constexpr double kWidthPart = 1.4, kRollOff = 8.0 * kDegree;
-  constexpr double kLeastPart = 0.6, kMostPart = 1.6, kNearestPart = 0.3;
+  constexpr double kLeastPart = 0.8, kMostPart = 1.25, kNearestPart = 0.3;
   const double off = kSigmas * place / distance, width = right.norm() / std::max(1e-9, upright),
                roll = gatefly::atan2(-down.x(), down.y());
   expected.window = {.left = least.x() - margin,

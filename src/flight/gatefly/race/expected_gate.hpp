@@ -14,6 +14,7 @@ namespace gatefly {
 struct ExpectedGate {
   Quad bars_px;         ///< Middle lines of its bars.
   double side_px;       ///< Its upright sides.
+  double facing;        ///< Cosine between its axis and the way to it.
   SearchWindow window;  ///< Three standard deviations around it, of place and attitude.
   bool shows_whole;     ///< Little enough is beyond the border for all four corners to be found.
 };

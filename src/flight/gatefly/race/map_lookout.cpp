@@ -69,11 +69,19 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
       sensors, sensors.seen ? LookFor{}
                             : attention_.next(*navigator.error_state(), known, ago, view.picture));
   sighting_.seen = !sighting_.detections.empty();
+  sighting_.expected = target_should_show(view, ago);
   take_whole_gates(view);
   const double x = navigator.error_state()->p_GB().x();
   const double from = params_.sight.parts_from * course.gate().side;
   const bool near_target = x > -from && x < 0.0;
   if (sighting_.source == Sighting::Source::kNone && near_target) take_parts(view);
+}
+
+bool MapLookout::target_should_show(const View& view, double ago) const {
+  constexpr double kWellSeen = 24.0, kFacing = 0.7;  // [px], [estimate]
+  const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
+  const auto target = expected_gate(filter, filter.target_slot(), ago, view.picture);
+  return target && target->shows_whole && target->side_px > kWellSeen && target->facing > kFacing;
 }
 
 bool MapLookout::would_show_whole(const MapGate& gate, const Eigen::Vector3d& p_GB) const {

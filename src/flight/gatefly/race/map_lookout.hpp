@@ -60,6 +60,7 @@ class MapLookout {
   void take_cut(const View& view, const eskf::GateSight& sight);
   bool take_part(const View& view, std::optional<eskf::GateSight> sight, double max_nis,
                  Sighting::Source source);
+  [[nodiscard]] bool target_should_show(const View& view, double ago) const;
   [[nodiscard]] bool seen_again(const eskf::GateSight& sight);
   [[nodiscard]] bool believed(const Associated& seen, const GateDetection& gate, bool target,
                               bool blind);

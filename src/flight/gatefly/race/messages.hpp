@@ -84,6 +84,8 @@ struct Sighting {
   enum class Source { kNone, kCorners, kBars };  ///< kCorners: four, or what the border leaves.
   bool seen = false;                             ///< At least one gate was detected.
   bool careful = false;                          ///< The picture was searched carefully.
+  /// The target should be in it, whole, and so near and straight that it is hardly ever missed for long.
+  bool expected = false;
   /// One of them, or a part, gave a fix of the target; the filter may have refused it.
   bool offered = false;
   GateDetections detections;      ///< Best first; the one that was used is `used`.

@@ -21,6 +21,12 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
   return unseen || off_axis;
 }
 
+// Above the pad a wrong heading, or a gate that is not there, costs nothing yet.
+bool first_gate_is_missing(const Situation& now, const PhaseParams& params) {
+  return params.goes_around && !now.lifted && now.gate_expected &&
+         now.since_fix > params.seen_at_start;
+}
+
 // How far it may have drifted and still fly on.
 double most_drift(const Situation& now, const PhaseParams& params) {
   return std::max(params.lost_sigma, params.lost_part * now.room_beside);
@@ -112,6 +118,11 @@ struct Next {
   Transition operator()(const TakeOff& phase) const {
     const bool high = now.height > params.go_height,
                late = now.time - phase.since > params.go_after;
+    if (high && first_gate_is_missing(now, params)) {
+      if (now.time - phase.since > params.start_timeout)
+        return {hurry_down_from(now), AbortReason::kGateNotFound};
+      return {phase};
+    }
     if (high && (late || params.go_after <= 0.0)) return {Straight{}};
     if (now.time - phase.since > params.climb_timeout)
       return {land_from(now), AbortReason::kNoClimb};

@@ -84,6 +84,7 @@ struct Situation {
   double yaw = 0.0;            ///< [rad]
   double since_fix = 0.0;      ///< Since a sighting of the target was accepted [s].
   bool shows_whole = true;     ///< From here, level, the camera would see the whole gate.
+  bool gate_expected = false;  ///< The last picture should have shown it: Sighting::expected.
   double tilt = 0.0;           ///< Between body and earth vertical [rad].
   double since_imu = 0.0;      ///< Since the last finite IMU sample [s].
   bool imu_stuck = false;      ///< Its samples stay the same.
@@ -98,6 +99,10 @@ struct PhaseParams {
   double go_height = 0.7;      ///< Start forward flight above this [m] ... [estimate]
   double go_after = 0.0;       ///< ... and after so long [s]. [Li18 code: 2]
   double climb_timeout = 6.0;  ///< [s]
+  /// A first gate that should show from above the pad is waited for until it has been seen within so
+  /// long [s]; so long after take-off it comes down again, for by drag alone it drifts half a metre a
+  /// second at worst [s]. [estimate]
+  double seen_at_start = 1.0, start_timeout = 4.0;
 
   bool goes_around = true;  ///< Waits and searches where the gate is uncertain. [estimate]
   // Into a search ...

@@ -181,6 +181,7 @@ Situation Pilot::situation() {
   s.room_beside = parts_->course.room_beside(0.5 * s.speed * s.speed / Braking{}.on_the_way + 0.5);
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;
+  s.gate_expected = parts_->lookout.sighting().expected;
   s.since_imu = now.since_imu;
   s.imu_stuck = parts_->intake.imu_stuck();
   if (std::holds_alternative<Search>(phase_))

@@ -47,6 +47,23 @@ class EvidenceMap {
     if (!filled_.contains(x, y)) return kOutside;
     return evidence_[static_cast<std::size_t>(y * width_ + x)];
   }
+  /// Visits `count` cells from (x, y) on, (dx, dy) apart, in 1/65536 cells: visit(k, evidence).
+  template <class Visit>
+  void along(std::int64_t x, std::int64_t y, std::int64_t dx, std::int64_t dy, int count,
+             const Visit& visit) const {
+    const auto contains = [this](std::int64_t cx, std::int64_t cy) {
+      return filled_.contains(static_cast<int>(cx >> 16), static_cast<int>(cy >> 16));
+    };
+    // If both ends are inside, all is.
+    if (contains(x, y) && contains(x + (count - 1) * dx, y + (count - 1) * dy)) {
+      const std::int8_t* const cells = evidence_.data();
+      for (int k = 0; k < count; ++k, x += dx, y += dy)
+        visit(k, int{cells[(y >> 16) * width_ + (x >> 16)]});
+      return;
+    }
+    for (int k = 0; k < count; ++k, x += dx, y += dy)
+      visit(k, at(static_cast<int>(x >> 16), static_cast<int>(y >> 16)));
+  }
   /// Evidence from column `filled().left` of a row on. @param y  within filled().
   [[nodiscard]] const std::int8_t* row(int y) const {
     return evidence_.data() + static_cast<std::ptrdiff_t>(y) * width_ + filled_.left;

@@ -156,7 +156,8 @@ class FrameFit {
 
  private:
   static constexpr int kStations = kEffort.stations, kMiddles = kEffort.middles, kMostReach = 12,
-                       kMostLines = 3, kLanes = 8;  // places that are summed at once
+                       kMostLines = 3, kLanes = 8,  // places that are summed at once
+      kRow = 2 * kMostReach + 1 + kLanes;           // of a strip, from station to station
   // Bar over side of the Bebop's gates.
   static constexpr double kThinBar = 0.05 / 0.95, kUndecidedBeyond = -0.6, kUnseenSide = 0.75;
 
@@ -231,9 +232,7 @@ class FrameFit {
   template <int kCount>
   struct Strip {
     // a row is read in whole lanes: there is more of it than is filled
-    std::array<std::array<std::int16_t, 2 * kMostReach + 1 + kLanes>,
-               static_cast<std::size_t>(kCount)>
-        value{};
+    std::array<std::int16_t, static_cast<std::size_t>(kCount* kRow)> value{};
     Eigen::Vector2d normal;
   };
   [[nodiscard]] static constexpr double station(int j, int count) {
@@ -246,7 +245,7 @@ class FrameFit {
     const Eigen::Vector2d d = b - a, sag = curves_.sag(a, b);
     s.normal = Eigen::Vector2d{-d.y(), d.x()} / std::max(1e-9, d.norm());
     for (int j = 0; j < kCount; ++j) {
-      std::int16_t* const first = s.value[static_cast<std::size_t>(j)].data() + kMostReach - reach;
+      std::int16_t* const first = s.value.data() + j * kRow + kMostReach - reach;
       Eigen::Vector2d middle = a + station(j, kCount) * d;
       if (curves_.bent()) middle += bow(sag, station(j, kCount));
       each_along(middle - reach * s.normal, s.normal, 2 * reach + 1,
@@ -264,16 +263,13 @@ class FrameFit {
     // Ends `slope` apart: what a station adds is the same row, farther on, for all of them.
     int best = -1 << 30, best_from = 0, best_to = 0;
     for (int slope = -2 * reach; slope <= 2 * reach; ++slope) {
+      const auto& rows = kRowsOfSlope[static_cast<std::size_t>(slope + 2 * kMostReach)];
       const int last = std::min(reach, reach - slope);
       for (int first = std::max(-reach, -reach - slope); first <= last; first += kLanes) {
         std::array<std::int16_t, kLanes> sums{};
-        for (int j = 0; j < kStations; ++j) {
-          // first (1 - t) + (first + slope) t, rounded; in 1/1024
-          const int o = first +
-                        ((slope * kStationT[static_cast<std::size_t>(j)] + 512 + 1024 * 64) >> 10) -
-                        64;
-          const std::int16_t* const row =
-              s.value[static_cast<std::size_t>(j)].data() + kMostReach + o;
+        const std::int16_t* const from_first = s.value.data() + kMostReach + first;
+        for (std::size_t j = 0; j < rows.size(); ++j) {
+          const std::int16_t* const row = from_first + rows[j];
           for (std::size_t k = 0; k < kLanes; ++k)
             sums[k] = static_cast<std::int16_t>(sums[k] + row[k]);
         }
@@ -294,15 +290,16 @@ class FrameFit {
   template <int kCount>
   static void widen(Strip<kCount>& s, int reach, int half) {
     const Divisor mean{2 * half + 1};
-    for (auto& value : s.value) {
-      const auto narrow = value;
+    for (int j = 0; j < kCount; ++j) {
+      std::int16_t* const value = s.value.data() + j * kRow;
+      std::array<std::int16_t, kRow> narrow;
+      std::copy_n(value, kRow, narrow.begin());
       const auto at = [&narrow](int o) { return int{narrow[static_cast<std::size_t>(o)]}; };
       int sum = 0;
       for (int o = kMostReach - reach - half; o < kMostReach - reach + half; ++o) sum += at(o);
       for (int o = kMostReach - reach; o <= kMostReach + reach; ++o) {
         sum += at(o + half);
-        value[static_cast<std::size_t>(o)] =
-            static_cast<std::int16_t>(sum < 0 ? -mean(-sum) : mean(sum));
+        value[o] = static_cast<std::int16_t>(sum < 0 ? -mean(-sum) : mean(sum));
         sum -= at(o - half);
       }
     }
@@ -360,11 +357,18 @@ class FrameFit {
     return q;
   }
 
-  static constexpr std::array<int, static_cast<std::size_t>(kStations)> kStationT = [] {
-    std::array<int, static_cast<std::size_t>(kStations)> t{};
-    for (int j = 0; j < kStations; ++j)
-      t[static_cast<std::size_t>(j)] = static_cast<int>(1024 * station(j, kStations));
-    return t;
+  // A line whose ends are `slope` apart, in a strip from where it begins: slope t at every station,
+  // rounded, in its row.
+  using RowsOfSlope = std::array<std::int16_t, static_cast<std::size_t>(kStations)>;
+  static constexpr std::array<RowsOfSlope, 4 * kMostReach + 1> kRowsOfSlope = [] {
+    std::array<RowsOfSlope, 4 * kMostReach + 1> rows{};
+    for (int slope = -2 * kMostReach; slope <= 2 * kMostReach; ++slope)
+      for (int j = 0; j < kStations; ++j) {
+        const int t = static_cast<int>(1024 * station(j, kStations));
+        rows[static_cast<std::size_t>(slope + 2 * kMostReach)][static_cast<std::size_t>(j)] =
+            static_cast<std::int16_t>(j * kRow + ((slope * t + 512 + 1024 * 64) >> 10) - 64);
+      }
+    return rows;
   }();
 
   static constexpr std::array<float, static_cast<std::size_t>(kMiddles)> kMiddleT = [] {
