@@ -26,7 +26,7 @@ import tempfile
 import threading
 import time
 
-from drone import DRONE, GREY_STREAM, PERIOD, Fake, end_of, goes_first, signed
+from drone import DRONE, FAR_GATE, GREY_STREAM, PERIOD, Fake, end_of, goes_first, signed
 from program import GATEFLY, ROOT
 
 sys.path.insert(0, str(ROOT / "tools"))
@@ -133,7 +133,7 @@ class Flight:
         (programs / "gst-launch-1.0").write_text(GREY_STREAM, encoding="utf-8")
         (programs / "gst-launch-1.0").chmod(0o700)
         self.told, self.said = self.folder / "told.json", self.folder / "said.txt"
-        command = [*wrap, GATEFLY, "run", "oval", "--config", CONFIG[kind], "--camera", "gst:videotestsrc", "--link", link, "--drone", self.signed(kind), "--json", *words]
+        command = [*wrap, GATEFLY, "run", FAR_GATE, "--config", CONFIG[kind], "--camera", "gst:videotestsrc", "--link", link, "--drone", self.signed(kind), "--json", *words]
         with self.told.open("w", encoding="utf-8") as told, self.said.open("w", encoding="utf-8") as said:
             self.process = subprocess.Popen([str(word) for word in command], cwd=self.folder, stdout=told, stderr=said, preexec_fn=preexec_fn,
                                             env=dict(os.environ, XDG_CACHE_HOME=str(self.folder / "cache"), PATH=f"{programs}:{os.environ['PATH']}"))

@@ -160,5 +160,11 @@ TEST(GateFaultsInFlight, AMissingGateIsNeverPassed) {
   EXPECT_FALSE(result.finished);
 }
 
+TEST(GateFaultsInFlight, WithoutItsFirstGateADroneComesDownAtThePad) {
+  const RaceResult result = fly(ideal({.missing_gate = 1}), {});
+  EXPECT_FALSE(result.crash_time) << result.crash_object;
+  EXPECT_EQ(result.abort_reason, text_of(AbortReason::kGateNotFound));
+}
+
 }  // namespace
 }  // namespace gatefly::simulated_race

@@ -36,6 +36,28 @@ Canvas any_map_picture(Rng& rng) {
   return canvas;
 }
 
+TEST(EvidenceMap, AlongALineIsTheSameAsCellByCell) {
+  for_all(200, [](Rng& rng) {
+    const MapPicture picture{any_map_picture(rng)};
+    EvidenceMap map;
+    map.fill(picture.image, kOrange);
+    const auto anywhere = [&rng](int size) {
+      return static_cast<std::int64_t>(rng.uniform(-0.3, 1.3) * size * 65536.0);
+    };
+    const int count = 1 + rng.uniform_index(30);
+    const std::int64_t x = anywhere(map.width()), y = anywhere(map.height()),
+                       dx = (anywhere(map.width()) - x) / count,
+                       dy = (anywhere(map.height()) - y) / count;
+    int visited = 0;
+    map.along(x, y, dx, dy, count, [&](int k, int evidence) {
+      EXPECT_EQ(k, visited++);
+      EXPECT_EQ(evidence,
+                map.at(static_cast<int>((x + k * dx) >> 16), static_cast<int>((y + k * dy) >> 16)));
+    });
+    EXPECT_EQ(visited, count);
+  });
+}
+
 TEST(EvidenceMap, HasTheSmallestCellsThatAreFewEnough) {
   EvidenceMap map;
   for (const auto& [width, height] : {std::pair{2, 2},

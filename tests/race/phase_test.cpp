@@ -62,20 +62,31 @@ TEST(Phase, FliesForwardOnceHighEnoughAndGivesUpWhenItDoesNotClimb) {
 TEST(Phase, WaitsAboveThePadForAFirstGateThatShouldShow) {
   Situation s = flying();
   s.gate_expected = true, s.since_fix = 1e3;
-  s.time = 9.0 + kParams.start_timeout - 0.1;
-  EXPECT_TRUE(is<TakeOff>(next_phase(TakeOff{9.0}, s, kParams)));
-  s.since_fix = kParams.seen_at_start - 0.1;
-  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, kParams))) << "it shows";
-  s.since_fix = 1e3, s.gate_expected = false;
-  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, kParams))) << "it cannot show from here";
-  s.gate_expected = true, s.lifted = true;
-  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, kParams))) << "somebody else flies";
-  s.lifted = false;
-  PhaseParams as_paper = kParams;
-  as_paper.goes_around = false;
-  EXPECT_TRUE(is<Straight>(next_phase(TakeOff{9.0}, s, as_paper)));
-  s.time = 9.0 + kParams.start_timeout + 0.1;
-  const Transition t = next_phase(TakeOff{9.0}, s, kParams);
+  const Transition waits = next_phase(TakeOff{3.0}, s, kParams);
+  ASSERT_TRUE(is<TakeOff>(waits)) << "however long it has climbed";
+  EXPECT_EQ(std::get<TakeOff>(waits.phase).since, 3.0);
+  EXPECT_EQ(std::get<TakeOff>(waits.phase).waits_since.value_or(-1.0), 10.0);
+  s.time = 10.0 + kParams.first_gate_timeout - 0.1;
+  ASSERT_TRUE(is<TakeOff>(next_phase(waits.phase, s, kParams)));
+  EXPECT_EQ(std::get<TakeOff>(next_phase(waits.phase, s, kParams).phase).waits_since.value_or(-1.0),
+            10.0);
+  const auto goes = [&](const Situation& now, const PhaseParams& params = kParams) {
+    return is<Straight>(next_phase(waits.phase, now, params));
+  };
+  Situation other = s;
+  other.since_fix = kParams.seen_at_start - 0.1;
+  EXPECT_TRUE(goes(other)) << "it shows";
+  other = s, other.gate_expected = false;
+  EXPECT_TRUE(goes(other)) << "it cannot show from here";
+  other = s, other.picture_interval = kParams.lost_pictures + 0.1;
+  EXPECT_TRUE(goes(other)) << "a camera that shows it too seldom";
+  PhaseParams params = kParams;
+  params.goes_around = false;
+  EXPECT_TRUE(goes(s, params)) << "as the paper flies";
+  params = kParams, params.first_gate_timeout = 0.0;
+  EXPECT_TRUE(goes(s, params)) << "told not to wait";
+  s.time = 10.0 + kParams.first_gate_timeout + 0.1;
+  const Transition t = next_phase(waits.phase, s, kParams);
   ASSERT_TRUE(is<Land>(t));
   EXPECT_TRUE(std::get<Land>(t.phase).in_a_hurry) << "it drifts while it waits";
   EXPECT_EQ(t.reason, AbortReason::kGateNotFound);

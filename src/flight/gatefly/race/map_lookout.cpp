@@ -46,7 +46,9 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
                       Navigator& navigator) {
   sighting_.seen = false;
   if (!sensors.image && !sensors.seen) return;
+  const bool expected = sighting_.expected;  // by the last picture that was looked at
   sighting_ = {};
+  sighting_.expected = expected;
   arrivals_.arrived(navigator.time());
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
@@ -81,7 +83,11 @@ bool MapLookout::target_should_show(const View& view, double ago) const {
   constexpr double kWellSeen = 24.0, kFacing = 0.7;  // [px], [estimate]
   const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
   const auto target = expected_gate(filter, filter.target_slot(), ago, view.picture);
-  return target && target->shows_whole && target->side_px > kWellSeen && target->facing > kFacing;
+  const auto shows = [&](const Eigen::Vector2d& px) {
+    return (px.array() >= 0.0).all() && (px.array() <= view.picture.size_px.array() - 1.0).all();
+  };
+  return target && target->side_px > kWellSeen && target->facing > kFacing &&
+         std::all_of(target->bars_px.begin(), target->bars_px.end(), shows);
 }
 
 bool MapLookout::would_show_whole(const MapGate& gate, const Eigen::Vector3d& p_GB) const {

@@ -139,6 +139,9 @@ PhaseParams phase_params(const PilotConfig& config) {
     params.go_after = config.paper_control.take_off;
     params.goes_around = false;
   }
+  const bool papers_eye =
+      config.detector_mode == DetectorMode::kPaper || config.detector_mode == DetectorMode::kFlown;
+  if (papers_eye) params.first_gate_timeout = 0.0;  // it misses a gate in view for longer than that
   fit_to_gates(params, config);
   params.cuts_without_imu = config.output == Output::kMotors;
   const double slow = slow_imu_hz(config), hz = slow > 0.0 ? slow : config.imu_hz;

@@ -23,8 +23,8 @@ bool gate_is_uncertain(const Situation& now, const PhaseParams& params) {
 
 // Above the pad a wrong heading, or a gate that is not there, costs nothing yet.
 bool first_gate_is_missing(const Situation& now, const PhaseParams& params) {
-  return params.goes_around && !now.lifted && now.gate_expected &&
-         now.since_fix > params.seen_at_start;
+  return params.goes_around && params.first_gate_timeout > 0.0 && now.gate_expected &&
+         now.picture_interval < params.lost_pictures && now.since_fix > params.seen_at_start;
 }
 
 // How far it may have drifted and still fly on.
@@ -119,9 +119,10 @@ struct Next {
     const bool high = now.height > params.go_height,
                late = now.time - phase.since > params.go_after;
     if (high && first_gate_is_missing(now, params)) {
-      if (now.time - phase.since > params.start_timeout)
+      const double since = phase.waits_since.value_or(now.time);
+      if (now.time - since > params.first_gate_timeout)
         return {hurry_down_from(now), AbortReason::kGateNotFound};
-      return {phase};
+      return {TakeOff{phase.since, since}};
     }
     if (high && (late || params.go_after <= 0.0)) return {Straight{}};
     if (now.time - phase.since > params.climb_timeout)

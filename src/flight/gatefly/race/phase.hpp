@@ -12,9 +12,11 @@ namespace gatefly {
 
 /// Standing on the pad: biases are learnt, motors are off.
 struct OnGround {};
-/// Straight up, until high enough to go.
+/// Straight up, until it is high enough to go and has seen the first gate, if that should show from there.
 struct TakeOff {
   double since = 0.0;  ///< [s]
+  /// Since when it is high enough, and waits for that gate [s].
+  std::optional<double> waits_since = std::nullopt;
 };
 /// On a straight: PD onto the line, Li18 Eq. (22).
 struct Straight {};
@@ -84,11 +86,12 @@ struct Situation {
   double yaw = 0.0;            ///< [rad]
   double since_fix = 0.0;      ///< Since a sighting of the target was accepted [s].
   bool shows_whole = true;     ///< From here, level, the camera would see the whole gate.
-  bool gate_expected = false;  ///< The last picture should have shown it: Sighting::expected.
-  double tilt = 0.0;           ///< Between body and earth vertical [rad].
-  double since_imu = 0.0;      ///< Since the last finite IMU sample [s].
-  bool imu_stuck = false;      ///< Its samples stay the same.
-  double since_gate = 1e9;     ///< Since the last gate was passed [s].
+  /// The last picture should have shown it: Sighting::expected. False where another pilot flies.
+  bool gate_expected = false;
+  double tilt = 0.0;        ///< Between body and earth vertical [rad].
+  double since_imu = 0.0;   ///< Since the last finite IMU sample [s].
+  bool imu_stuck = false;   ///< Its samples stay the same.
+  double since_gate = 1e9;  ///< Since the last gate was passed [s].
   /// Since a picture came, whatever was in it; 0 before the first, and where another pilot flies [s].
   double since_picture = 0.0;
   double picture_interval = 0.0;  ///< From one to the next, in the mean [s].
@@ -100,9 +103,11 @@ struct PhaseParams {
   double go_after = 0.0;       ///< ... and after so long [s]. [Li18 code: 2]
   double climb_timeout = 6.0;  ///< [s]
   /// A first gate that should show from above the pad is waited for until it has been seen within so
-  /// long [s]; so long after take-off it comes down again, for by drag alone it drifts half a metre a
-  /// second at worst [s]. [estimate]
-  double seen_at_start = 1.0, start_timeout = 4.0;
+  /// long [s] ...
+  double seen_at_start = 1.0;
+  /// ... and it comes down again after so long, for by drag alone it drifts half a metre a second at
+  /// worst; 0: it is not waited for [s]. [estimate]
+  double first_gate_timeout = 2.5;
 
   bool goes_around = true;  ///< Waits and searches where the gate is uncertain. [estimate]
   // Into a search ...

@@ -139,8 +139,11 @@ void Pilot::follow_course() {
 void Pilot::change_phase(const Sensors& sensors) {
   Situation now = situation();
   now.lifted = sensors.lifted;
-  // Another pilot may not need them.
-  if (!sensors.looks_on) now.since_picture = parts_->intake.since_picture();
+  // Another pilot may not need pictures, nor wait for a gate.
+  if (!sensors.looks_on) {
+    now.since_picture = parts_->intake.since_picture();
+    now.gate_expected = parts_->lookout.sighting().expected;
+  }
   now.picture_interval = parts_->intake.picture_interval();
   const Transition next = next_phase(phase_, now, phase_params_);
   const auto* search = std::get_if<Search>(&phase_);
@@ -181,7 +184,6 @@ Situation Pilot::situation() {
   s.room_beside = parts_->course.room_beside(0.5 * s.speed * s.speed / Braking{}.on_the_way + 0.5);
   s.yaw = now.attitude.yaw;
   s.since_fix = now.since_fix;
-  s.gate_expected = parts_->lookout.sighting().expected;
   s.since_imu = now.since_imu;
   s.imu_stuck = parts_->intake.imu_stuck();
   if (std::holds_alternative<Search>(phase_))

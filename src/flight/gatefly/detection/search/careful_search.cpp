@@ -20,8 +20,8 @@
 namespace gatefly {
 namespace {
 
-// A score on cells, which thin bars hardly fill, beside that of the finished frame. In a window half of
-// the frames that lead to nothing end there. [ours: of 398 gates found in windows of ten rendered races
+// A score on cells, which thin bars hardly fill, beside that of the finished frame. In a window the smaller
+// one passes over half of the frames that lead to nothing. [ours: of 398 gates found in windows of ten rendered races
 // one lacked more]
 constexpr double kRoughLacks = 2.0, kRoughLacksInWindow = 1.2;
 
@@ -48,7 +48,8 @@ constexpr double kShows = 1.0;  // the same of a lens that nobody named
 // Places that are looked at closely in a window for one gate, and in any other window. [ours: with 16 and
 // 24 the same gates are found in a rendered race]
 constexpr std::size_t kPlacesForOne = 8, kPlacesOfPart = 16;
-// Frames of a window that are looked at on pixels. [ours: of those 398 gates each was one of the best two]
+// Frames of a window that are looked at on pixels: one more than those 398 gates needed, for more than one
+// gate may show in it.
 constexpr std::size_t kFramesOfWindow = 3;
 
 bool better(const Frame& a, const Frame& b) { return a.score.total > b.score.total; }
