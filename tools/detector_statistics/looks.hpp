@@ -17,7 +17,7 @@ namespace gatefly::measuring {
 
 /// One thing in one picture, and whether the detector took it for a gate.
 struct Look {
-  int seed = 0;    ///< Its number; each set of real pictures has one, too.
+  int seed = 0;    ///< Its number from 0, among seeds or among sets of real pictures.
   int window = 0;  ///< Consecutive pictures; numbers are unique.
   int step = 0;    ///< In the window.
   int which = 0;   ///< The same thing has the same number.

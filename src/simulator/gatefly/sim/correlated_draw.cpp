@@ -61,6 +61,7 @@ CorrelatedDraw& CorrelatedDraws::of(int which) {
   const auto known = draws_.find(which);
   if (known != draws_.end()) return known->second;
   const std::string own = name_ + " " + std::to_string(which);
+  // The stream's name decides what is drawn: another one would redraw every race.
   Stream of_seed{seed_, (shared_ ? name_ : own) + " day"};
   return draws_.emplace(which, CorrelatedDraw{staying_, of_seed.normal(), Stream{seed_, own}})
       .first->second;

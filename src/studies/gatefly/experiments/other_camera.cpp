@@ -110,7 +110,7 @@ struct Sum {
   std::array<files::HitRate, kSizes.size() - 1> by_size{};
   std::map<std::string, int> causes{};
   std::vector<double> thresholds{};  ///< Each seed's, sorted.
-  std::vector<double> lens_off{};    ///< With seeds whose gates showed a bend, sorted.
+  std::vector<double> lens_off{};    ///< For each seed whose gates showed a bend, sorted.
 
   [[nodiscard]] double tpr() const { return static_cast<double>(hits) / std::max(1, gates); }
   [[nodiscard]] double fp_per_image() const {
