@@ -32,7 +32,7 @@ class Campaign(Cli):
                                  "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,map_cm,"
                                  "detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,heading_error_deg,"
                                  "heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,latency_error_ms,latency_sigma_ms,"
-                                 "map_reports")
+                                 "map_reports,through_false_gates,through_other_gates")
         cells = [dict(zip(header.split(","), row.split(","))) for row in rows]
         self.assertEqual([cell["seed"] for cell in cells], [str(seed) for seed in range(11, 17)])
         answer = json.loads(result.stdout)

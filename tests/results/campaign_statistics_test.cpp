@@ -85,6 +85,7 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
   result.consistency = {{.samples = 4, .sum_per_dof = 5.0, .inside = 3},
                         {.samples = 2, .sum_per_dof = 1.0, .inside = 2},
                         2};
+  result.through_false_gates = 2, result.through_other_gates = 1;
   result.frames = 100, result.true_positives = 40, result.false_positives = 3, result.searches = 1;
   WhyLost why{.cause = WhyLost::Cause::kMap};
   why.shares = {0.04, -0.01, 0.205, 0.0}, why.since_fix = 1.5;
@@ -99,9 +100,11 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
             "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,"
             "map_cm,detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,"
             "heading_error_deg,heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,"
-            "latency_error_ms,latency_sigma_ms,map_reports\n"
+            "latency_error_ms,latency_sigma_ms,map_reports,through_false_gates,through_other_gates\n"
             "17,0,3,6,11.25,1.6,1.9,crash: gate 2 left "
-            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,map,4,-1,20.5,0,1.5,c0,f0,,,,,,,,,0\n");
+            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,map,4,-1,20.5,0,1.5,c0,f0,,,,,,,,,0,2,1\n");
+  EXPECT_EQ(campaign_result({row, row}).at("stray_passes"),
+            nlohmann::json::parse(R"({"false_gates": 4, "gates_out_of_turn": 2})"));
   EXPECT_EQ(campaign_result({row}).at("lost_by"),
             nlohmann::json::parse(R"([{"cause": "map", "count": 1, "seeds": [17]}])"));
 

@@ -30,6 +30,8 @@ class Referee {
 
   [[nodiscard]] int passed() const { return passed_; }
   [[nodiscard]] int total() const { return total_; }
+  /// Index into the world's gates, of the one to fly next.
+  [[nodiscard]] int next() const { return passed_ % static_cast<int>(world_.gates.size()); }
   [[nodiscard]] bool finished() const { return passed_ >= total_; }
 
  private:

@@ -15,6 +15,7 @@
 #include "gatefly/sim/autopilot/companion.hpp"
 #include "gatefly/sim/people.hpp"
 #include "gatefly/sim/referee.hpp"
+#include "gatefly/sim/stray_passes.hpp"
 #include "gatefly/simulated_race/closed_loop/logbook.hpp"
 #include "gatefly/simulated_race/closed_loop/sensor_suite.hpp"
 #include "gatefly/simulated_race/closed_loop/simulators.hpp"
@@ -69,6 +70,7 @@ class Arena {
   explicit Arena(const RaceConfig& config)
       : simulator{config.sim, config.while_baking},
         referee{config.sim.world, config.sim.vehicle, config.pilot.track.laps},
+        stray_passes{config.sim.world},
         steps_{physics_steps(config.sim.sensors.imu_hz)},
         people_{config.sim.world.people},
         drone_radius_{0.5 * config.sim.vehicle.size.head<2>().minCoeff()},
@@ -82,6 +84,7 @@ class Arena {
       body.step(motors, dt / steps_);
       sensors.remember(body.state(), body.time());
       book.moved(body.state(), dt / steps_, !referee.finished());
+      if (!referee.finished()) stray_passes.update(body.state().p_EB, referee.next());
       if (const auto pass = referee.update(body.state(), body.time())) {
         book.passed(*pass);
         if (referee.finished()) finished_at_ = pass->time;
@@ -120,6 +123,7 @@ class Arena {
 
   Simulator simulator;
   sim::Referee referee;
+  sim::StrayPasses stray_passes;
 
  private:
   void stop_at(const std::string& object, const Pilot& pilot, RaceResult& result) const {
@@ -235,6 +239,8 @@ class FlightIn final : public AnyFlight {
     result.divergence = pilot_.divergence();
     result.true_gates = config_.sim.world.gates;
     result.gates_total = arena_.referee.total();
+    result.through_false_gates = arena_.stray_passes.through_false_gates();
+    result.through_other_gates = arena_.stray_passes.through_other_gates();
     result.bake_seconds = arena_.simulator.bake_seconds();
     result.flight_time = arena_.simulator.body.time() - fallen_;
     if (result.stop_reason == "abort")

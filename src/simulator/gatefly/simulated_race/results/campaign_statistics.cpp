@@ -117,7 +117,9 @@ std::string found_cells(const RunRow& row) {
   for (std::size_t i = 0; i < kFound.size(); ++i)
     cells += i < row.found.size() ? "," + cell(row.found[i].error) + "," + cell(row.found[i].sigma)
                                   : ",,";
-  return cells + "," + std::to_string(row.map_reports);
+  for (const int count : {row.map_reports, row.through_false_gates, row.through_other_gates})
+    cells += "," + std::to_string(count);
+  return cells;
 }
 
 /// RMS over races of what is left of each error after the first lap, and in its own sigmas.
@@ -168,6 +170,11 @@ RunRow row_of(const nlohmann::ordered_json& json, const std::string& file) {
   row.true_positives = detection.count("true_positives");
   row.false_positives = detection.count("false_positives");
   row.searches = summary.count("searches");
+  if (summary.has("stray_passes")) {
+    const files::JsonObject stray = summary.object("stray_passes");
+    row.through_false_gates = stray.count("false_gates");
+    row.through_other_gates = stray.count("gates_out_of_turn");
+  }
   row.commit = summary.text("commit", "");
   row.configuration = summary.text("configuration", "");
   if (summary.has("consistency")) {
@@ -194,7 +201,7 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
       "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,map_cm,"
       "detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,"
       "heading_error_deg,heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,"
-      "latency_error_ms,latency_sigma_ms,map_reports\n";
+      "latency_error_ms,latency_sigma_ms,map_reports,through_false_gates,through_other_gates\n";
   for (const RunRow& r : rows) {
     csv += std::to_string(r.seed) + "," + (r.finished ? "1," : "0,") + std::to_string(r.gates) +
            "," + std::to_string(r.gates_total) + "," + files::text_of(r.time) + "," +
@@ -213,9 +220,10 @@ std::string runs_csv(const std::vector<RunRow>& rows) {
 nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   std::vector<double> times, speeds;
   Seeds causes, whys;
-  long gates = 0, gates_total = 0;
+  long gates = 0, gates_total = 0, through_false = 0, through_other = 0;
   for (const RunRow& row : rows) {
     gates += row.gates, gates_total += row.gates_total;
+    through_false += row.through_false_gates, through_other += row.through_other_gates;
     if (row.finished && !std::isnan(row.mean_speed)) speeds.push_back(row.mean_speed);
     if (row.finished)
       times.push_back(row.time);
@@ -233,6 +241,7 @@ nlohmann::ordered_json campaign_result(const std::vector<RunRow>& rows) {
   json["completion_wilson95"] = {interval.low, interval.high};
   json["gates_passed"] = gates;
   json["gates_total"] = gates_total;
+  json["stray_passes"] = {{"false_gates", through_false}, {"gates_out_of_turn", through_other}};
   json["race_time_s"] = quantiles(times);
   json["mean_speed_mps"] = quantiles(speeds);
   json["consistency"] = pooled(rows);

@@ -34,6 +34,8 @@ struct RunRow {
   /// After the first lap: error and sigma of the camera's tilt [deg], the heading [deg], the thrust
   /// [%], the latency [ms]; empty when nobody says.
   std::vector<FoundError> found;
+  /// Through gates that were not the next one; 0 where an older summary does not say.
+  int through_false_gates = 0, through_other_gates = 0;
   int map_reports = 0;  ///< Gates of which it said that the map has them elsewhere.
 };
 

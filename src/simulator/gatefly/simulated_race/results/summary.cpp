@@ -72,6 +72,8 @@ nlohmann::ordered_json summary(const RaceResult& result, const RaceIdentity& rac
   json["finished"] = result.finished;
   json["gates_passed"] = result.gates_passed;
   json["gates_total"] = result.gates_total;
+  json["stray_passes"] = {{"false_gates", result.through_false_gates},
+                          {"gates_out_of_turn", result.through_other_gates}};
   json["race_time_s"] = result.race_time;
   json["lap_times_s"] = result.lap_times;
   // From the first gate to the last: before there is no speed, and no error, to speak of.
