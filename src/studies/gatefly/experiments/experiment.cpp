@@ -170,7 +170,7 @@ std::span<const Experiment> all() {
        {kSpeed},
        true},
       {"paper-vs-ours",
-       "the original beside ours on the same days; which box makes the difference",
+       "the original beside ours on the same seeds; which box makes the difference",
        paper_vs_ours,
        false,
        {kLi18},

@@ -192,7 +192,7 @@ Result full_track(const Options& options) {
     result.table.push_back({name + ": flights of 15 gates",
                             is_paper ? "3 shown; by names 5 of a day's 104 logs" : "",
                             std::to_string(seeds[i].finished()) + " of " + std::to_string(tries) +
-                                " days, level none, our detector's statistics"});
+                                " seeds, level none, our detector's statistics"});
     result.table.push_back(
         {"  mean speed of the three", who[i].paper_speed, each_of(shown, 2, speed) + " m/s"});
     if (is_paper) {

@@ -30,8 +30,8 @@ constexpr std::array<Condition, 5> kConditions{
     {{"wide", "lens of 130-170 degrees", {}},
      {"wide_unnamed", "the wide lens, not named", {}, false},
      {"straight", "straight lens", {.straight = true}},
-     {"wide_hard", "the wide lens, hard days", {.level = HallCamera::Level::kHard}},
-     {"wide_varied", "the wide lens, varied days", {.level = HallCamera::Level::kVaried}}}};
+     {"wide_hard", "the wide lens, hard seeds", {.level = HallCamera::Level::kHard}},
+     {"wide_varied", "the wide lens, varied seeds", {.level = HallCamera::Level::kVaried}}}};
 
 /// Seeds and pictures. The full run's seeds are for reports: nothing was ever tuned on them.
 struct Order {
@@ -173,7 +173,7 @@ void add_rows(const Condition& condition, const Sum& sum, std::vector<Comparison
   if (!condition.names_lens)
     table.push_back(
         {"  lens found on the gates", "-",
-         "on " + std::to_string(sum.lens_off.size()) + " of " + files::amount(sum.seeds, "day") +
+         "on " + std::to_string(sum.lens_off.size()) + " of " + files::amount(sum.seeds, "seed") +
              (sum.lens_off.empty()
                   ? ""
                   : ", its angle off by " + fixed(100.0 * files::quantile(sum.lens_off, 0.5), 1) +
@@ -181,7 +181,7 @@ void add_rows(const Condition& condition, const Sum& sum, std::vector<Comparison
   if (sum.learnt < sum.seeds)
     table.push_back(
         {"  too few gates to learn from", "-",
-         std::to_string(sum.seeds - sum.learnt) + " of " + files::amount(sum.seeds, "day")});
+         std::to_string(sum.seeds - sum.learnt) + " of " + files::amount(sum.seeds, "seed")});
 }
 
 nlohmann::ordered_json json_of(const Condition& condition, const Sum& sum) {

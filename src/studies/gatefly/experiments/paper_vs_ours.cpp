@@ -129,7 +129,7 @@ drawing::Canvas picture_of(const std::vector<Row>& rows) {
   constexpr int kWidth = drawing::kPlotWidth, kLine = 32, kTop = 112;
   constexpr double kBar = 250.0, kBarWidth = 220.0, kColumns = 490.0;
   drawing::Canvas canvas(kWidth, kTop + kLine * (static_cast<int>(rows.size()) + 3));
-  canvas.text({24, 40}, "Paper and ours on the same days: showroom, 15 gates, level race",
+  canvas.text({24, 40}, "Paper and ours on the same seeds: showroom, 15 gates, level race",
               {.size = 22, .bold = true});
   const drawing::Lettering head{.color = drawing::kLight.muted, .size = 14};
   canvas.text({kBar, 84}, "races finished, 95 % interval", head);

@@ -260,10 +260,10 @@ std::vector<Effect> effects() {
           {"soft luma: 1.6 px a pixel", {"sim.pixel_footprint_px=1.6"}},
           {"no red fringes", {"sim.red_shift_px=0"}},
           {"colours not smoothed", {"sim.chroma_smoothing=0"}},
-          {"every day as colourful", {"randomize.saturation_percent=0"}},
+          {"every seed as colourful", {"randomize.saturation_percent=0"}},
           {"bars as wide as the map's", {"sim.paint_width=1"}},
           {"paint not worn", {"sim.paint_wear=0"}},
-          {"same light every day", {"randomize.light_percent=0", "randomize.exposure_percent=0"}},
+          {"same light with every seed", {"randomize.light_percent=0", "randomize.exposure_percent=0"}},
           {"camera held straight", {}, 0.0},
           {"careful recording", {}, 1.0, true}};
 }
@@ -310,7 +310,7 @@ std::string spread_of_seeds(const Pictures& pictures, const Outcomes& outcomes) 
     if (sum.second >= 4) rates.push_back(sum.first / sum.second);
   std::sort(rates.begin(), rates.end());
   return fixed(files::quantile(rates, 0.1), 2) + " to " + fixed(files::quantile(rates, 0.9), 2) +
-         " on " + std::to_string(rates.size()) + " days";
+         " in " + std::to_string(rates.size()) + " of them";
 }
 
 }  // namespace
@@ -344,7 +344,7 @@ Result twin_hardness(const Options& options) {
         return spread_of_seeds(pictures,
                                outcomes(pictures, TwinMode::kPaper, sides.room->config, 1));
       };
-      result.table.push_back({sides.room->set + ", paper, below 4 m: days, 10 to 90 %",
+      result.table.push_back({sides.room->set + ", paper, below 4 m: 50 pictures in a row | seeds, 10 to 90 %",
                               spread(sides.real), spread(sides.rendered)});
       report_looks(sides, result);
       result.extra.push_back({"sheet-" + sides.room->set, twin_sheet(sides.real, sides.rendered)});
