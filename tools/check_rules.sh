@@ -11,6 +11,7 @@
 #   armv7, aarch64   the flight code's tests and a recorded race by qemu, as on this processor
 #   realtime     no step allocates, locks or calls the system (clang 22)
 #   budget       a step takes at most 2 % more instructions than tests/c_interface/budget.csv says, 5 % in the race
+#   calls        nothing that a step can call allocates, locks, throws or calls the system, but what is listed with its reason
 #   stack        a step of our modes takes at most 32 KB of stack, and nothing in it calls itself
 #   companion    preset companion builds, with g++ 11, too, where that is installed, and replays
 set -uo pipefail
@@ -26,6 +27,7 @@ armv7() { tools/check_arm.py armv7; }
 aarch64() { tools/check_arm.py aarch64; }
 budget() { tools/count_steps.py --budget; }
 stack() { cmake --build build/release --target gatefly_c && tools/check_stack.py build/release/c/libgatefly_c.so gatefly_step 32768 paper Paper side_bars; }
+calls() { cmake --build build/release --target gatefly_c && tools/check_calls.py build/release/c/libgatefly_c.so gatefly_step paper Paper side_bars; }
 realtime() { tools/check_realtime.sh; }
 companion() { tools/check_companion.sh; }
 sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --preset asan -j "$(nproc)"; }
@@ -34,7 +36,7 @@ failed=0
 TIMEFORMAT='%0R s, %0U s CPU'
 [[ $# -gt 0 ]] || set -- format comments tidy sanitizers fuzzers no_simulator
 for rule in "$@"; do
-  case "$rule" in format | comments | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole | armv7 | aarch64 | companion | realtime | budget | stack) ;; *) echo "rules: '$rule' is not one of format, comments, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole, armv7, aarch64, companion, realtime, budget, stack" >&2; exit 2 ;; esac
+  case "$rule" in format | comments | tidy | sanitizers | fuzzers | no_simulator | no_simulator_whole | armv7 | aarch64 | companion | realtime | budget | calls | stack) ;; *) echo "rules: '$rule' is not one of format, comments, tidy, sanitizers, fuzzers, no_simulator, no_simulator_whole, armv7, aarch64, companion, realtime, budget, calls, stack" >&2; exit 2 ;; esac
   log="$(mktemp)"
   took="$( { time "$rule" >"$log" 2>&1; echo "$?" >"$log.code"; } 2>&1 )"
   code="$(cat "$log.code")"

@@ -12,10 +12,12 @@ import subprocess
 import sys
 
 OUTSIDE = 512  # memcpy, sqrt, ... [bytes]
-FUNCTION = re.compile(r"^[0-9a-f]+ <(.+)>:$")
+FUNCTION = re.compile(r"^([0-9a-f]+) <(.+)>:$")
 CALL = re.compile(r"\t(?:call|jmp|j\w+) +[0-9a-f]+ <([^+>]+(?:\([^>]*\))?.*?)(\+0x[0-9a-f]+)?>$")
 DOWN = re.compile(r"\t(?:(sub|add) +\$0x([0-9a-f]+),%rsp|lea +-0x([0-9a-f]+)\(%rsp\),%rsp)$")
-BY_POINTER = re.compile(r"\tcall +\*")
+BY_POINTER = re.compile(r"\t(?:call|(?:notrack )?jmp) +\*")
+# A switch jumps by a table, to what it has added up just before.
+SWITCH = re.compile(r"\tadd +%r\w+,(%r\w+)$")
 
 
 class Function:
@@ -26,12 +28,15 @@ class Function:
 def read(path):
     """{name: Function} of all code in a file."""
     text = subprocess.run(["objdump", "-d", "--no-show-raw-insn", path], check=True, capture_output=True, text=True).stdout
-    functions, here = {}, None
+    functions, here, before = {}, None, ""
     for text_line in text.splitlines():
         line = text_line.rstrip()
         begin = FUNCTION.match(line)
         if begin:
-            here = functions.setdefault(begin[1], Function())
+            here = functions.setdefault(begin[2], Function())
+            # One of several versions, for this processor or that, is called by way of what chooses it.
+            if begin[2].endswith(".resolver"):
+                functions[f"*ABS*+0x{int(begin[1], 16):x}"] = functions[begin[2].removesuffix(".resolver")] = Function()
             continue
         if here is None:
             continue
@@ -45,7 +50,13 @@ def read(path):
         call = CALL.search(line)
         if call and call[2] is None:
             here.calls.add(call[1])
-        here.by_pointer += bool(BY_POINTER.search(line))
+        switched = SWITCH.search(before)
+        here.by_pointer += bool(BY_POINTER.search(line)) and not (switched and line.endswith(f" *{switched[1]}"))
+        before = line
+    for name, function in list(functions.items()):
+        if name.endswith(".resolver"):
+            versions = {each for each in functions if each.startswith(name.removesuffix("resolver")) and each != name}
+            functions[name.removesuffix(".resolver")].calls.update(versions)
     return functions
 
 

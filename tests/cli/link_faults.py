@@ -252,6 +252,11 @@ def well_down(falls):
     return all(fall and fall["s"] < 3.0 and fall["m"] < 2.0 and fall["rise"] < 0.1 for fall in falls)
 
 
+def late_text(sticks):
+    late = sticks["late"]
+    return f"{sticks['frames']} set points at 40 Hz late by {late['p50_ms']:.1f} ms (median), {late['p999_ms']:.1f} (p99.9), {late['max_ms']:.1f} (most)"
+
+
 # ---- F21 ----
 
 def link_out(kind, seconds, runs):
@@ -384,7 +389,7 @@ def f23(table, options):
             sticks, loop, granted = told["sticks"], told["pilot_loop"], told["system"]["goes_first"]
             missed = loop["missed"] / max(1, loop["missed"] + told["commands"])
             late = sticks["late"]
-            happened = (f"{sticks['frames']} set points at 40 Hz late by {late['p50_ms']:.1f} ms (median), {late['p999_ms']:.1f} (p99.9), {late['max_ms']:.1f} (most); "
+            happened = (f"{late_text(sticks)}; "
                         f"{told['commands']} ticks at {hz} Hz by {loop['late']['p50_ms']:.1f}, {loop['late']['p999_ms']:.1f}, {loop['late']['max_ms']:.1f} ms, {loop['missed']} missed ({missed:.0e})")
             kept = late["max_ms"] < 1e3 * PERIOD and missed < 1e-4 if granted or not programs else None
             table.row("F23", f"{name}; goes first: {'yes' if granted else 'no'}", happened, "no set point late by a period, fewer than 1 in 10⁴ ticks missed", kept)
@@ -505,7 +510,8 @@ def f27(table, options):
                       f"{100 * (load - base):.1f} % of a core more", "no crash, no state changed, no set point late by a period, less than 10 % of a core", streams and gap < 2 * PERIOD + FAKE_TICK and load - base < 0.1)
         flight.flies()
         alive = "gatefly run: flying" in flight.heard()
-        flight.over()
+        told = flight.over()
+        table.row("F27", "MAVLink, UDP: all of the above, by the program's own clock", late_text(told["sticks"]), "no set point late by a period", told["sticks"]["late"]["max_ms"] < 1e3 * PERIOD)
         table.row("F27", "and then it is armed and handed over", "it flies" if alive else "IT DOES NOT FLY", "it flies", alive)
     with Flight(between=True) as flight:
         flight.streams()

@@ -94,15 +94,16 @@ TEST(RunRow, ReadsWhatSummaryWrites) {
   EXPECT_EQ(row.seed, 17u);
   EXPECT_FALSE(row.finished);
   EXPECT_EQ(row.cause, "crash: gate 2 left bar");
-  EXPECT_EQ(runs_csv({row}),
-            "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
-            "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
-            "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,"
-            "map_cm,detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,"
-            "heading_error_deg,heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,"
-            "latency_error_ms,latency_sigma_ms,map_reports,through_false_gates,through_other_gates\n"
-            "17,0,3,6,11.25,1.6,1.9,crash: gate 2 left "
-            "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,map,4,-1,20.5,0,1.5,c0,f0,,,,,,,,,0,2,1\n");
+  EXPECT_EQ(
+      runs_csv({row}),
+      "seed,finished,gates,gates_total,time_s,mean_speed_mps,max_speed_mps,cause,"
+      "rmse_x_m,rmse_y_m,rmse_z_m,frames,true_positives,false_positives,searches,"
+      "nees_mean,nees_inside,nis_mean,nis_inside,divergences,why,estimate_cm,guidance_cm,"
+      "map_cm,detection_cm,since_fix_s,commit,configuration,tilt_error_deg,tilt_sigma_deg,"
+      "heading_error_deg,heading_sigma_deg,thrust_error_percent,thrust_sigma_percent,"
+      "latency_error_ms,latency_sigma_ms,map_reports,through_false_gates,through_other_gates\n"
+      "17,0,3,6,11.25,1.6,1.9,crash: gate 2 left "
+      "bar,0.1,0.2,0.3,100,40,3,1,1.25,0.75,0.5,1,2,map,4,-1,20.5,0,1.5,c0,f0,,,,,,,,,0,2,1\n");
   EXPECT_EQ(campaign_result({row, row}).at("stray_passes"),
             nlohmann::json::parse(R"({"false_gates": 4, "gates_out_of_turn": 2})"));
   EXPECT_EQ(campaign_result({row}).at("lost_by"),

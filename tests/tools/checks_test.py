@@ -4,6 +4,7 @@
 
 usage: checks_test.py SOURCE_DIR CXX NM"""
 import pathlib
+import platform
 import shutil
 import subprocess
 import sys
@@ -61,6 +62,62 @@ class Libm(unittest.TestCase):
     def test_a_function_of_our_own_of_that_name_is_free(self):
         code = "namespace gatefly { double exp(double); double f(double x) { return exp(x); } }\n"
         self.assertEqual(self.check(code, "")[0], 0)
+
+
+@unittest.skipUnless(platform.machine() == "x86_64", "reads the instructions of this processor only")
+class Calls(unittest.TestCase):
+    """A library of one source, read from its function `step`."""
+
+    def said_of(self, code):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "step.cpp").write_text(code)
+            subprocess.run([CXX, "-O1", "-shared", "-fPIC", "step.cpp", "-o", "libstep.so"], cwd=folder, check=True)
+            return [line for line in run("check_calls.py", folder / "libstep.so", "step")[1].splitlines() if "called no more" not in line]
+
+    def test_what_allocates_locks_or_throws_somewhere_below_is_named(self):
+        below = "[[gnu::noinline]] static void below(int n) {{ {} }}\nextern \"C\" void step(int n) {{ below(n); }}\n"
+        wrong = {
+            "extern volatile char* p; p = new char[n];": "operator new[](unsigned long)",
+            "extern volatile char* p; p = static_cast<char*>(std::malloc(n));": "malloc",
+            "static std::mutex m; m.lock();": "pthread_mutex_lock",
+            "if (n > 3) throw n;": "__cxa_throw",
+            "(void)write(1, &n, 1);": "write",
+        }
+        for body, whom in wrong.items():
+            said = self.said_of("#include <cstdlib>\n#include <mutex>\n#include <unistd.h>\nvolatile char* p;\n" + below.format(body))
+            self.assertTrue(any(line.startswith("calls: below(int)") and line.endswith(f"calls {whom}") for line in said), said)
+
+    def test_a_call_by_pointer_is_named(self):
+        said = self.said_of('extern "C" int step(int (*f)(int)) { return f(3) + 1; }\n')
+        self.assertIn("calls: step calls by pointer", said)
+
+    def test_a_call_by_pointer_at_the_end_is_named(self):
+        said = self.said_of('struct Base { virtual int turn(int) = 0; };\nextern "C" [[gnu::optimize("O2")]] int step(Base* b) { return b->turn(3); }\n')
+        self.assertIn("calls: step calls by pointer", said)
+
+    def test_what_only_calculates_passes(self):
+        said = self.said_of('#include <cmath>\nextern "C" double step(double x) { return std::sqrt(x) + 1.0; }\n')
+        self.assertEqual([line for line in said if line.startswith("calls: step")], [])
+
+
+class Loops(unittest.TestCase):
+    def said_of(self, loop):
+        with tempfile.TemporaryDirectory() as name:
+            folder = pathlib.Path(name)
+            (folder / "src" / "flight").mkdir(parents=True)
+            (folder / "src" / "flight" / "loop.cpp").write_text(f"void f(int n) {{\n{loop}\n}}\n")
+            return run("check_loops.py", folder)
+
+    def test_a_loop_that_does_not_count_and_does_not_say_how_often_is_named(self):
+        for loop in ("  while (n > 0) n /= 2;", "  do {\n    n /= 2;\n  } while (n > 0);", "  for (; n > 0; n /= 2) {}", "  for (;;) {}", "  for (int i = 0; i < n;) i += 2;"):
+            code, said = self.said_of(loop)
+            self.assertEqual(code, 1, loop)
+            self.assertIn("src/flight/loop.cpp:2", said)
+
+    def test_a_loop_that_counts_or_says_how_often_passes(self):
+        for loop in ("  for (int i = 0; i < n; ++i) {}", "  for (int i = n; i-- > 0;) {}", "  // At most 31 times.\n  while (n > 0) n /= 2;", "  while (n > 0) n /= 2;  // at most 31 times"):
+            self.assertEqual(self.said_of(loop)[0], 0, loop)
 
 
 class Format(unittest.TestCase):

@@ -53,6 +53,7 @@ std::optional<std::size_t> DelayedFilter::index_at(double time) const {
   if (!std::isfinite(time)) return std::nullopt;
   std::size_t i = count_ - 1;
   const auto off = [&](std::size_t k) { return std::abs(moment(k).time - time); };
+  // At most once a moment kept.
   while (i > oldest() && off(i - 1) <= off(i)) --i;
   // The oldest moment has none before it from which it could be done again.
   if (i == oldest() && (i != count_ - 1 || time < newest().time)) return std::nullopt;
@@ -70,6 +71,7 @@ Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
   const auto gone = [&] {
     return fixes_.full() || (!fixes_.empty() && fixes_[0].time < moment(oldest()).time);
   };
+  // At most once a fix kept.
   while (gone()) {
     std::move(fixes_.begin() + 1, fixes_.end(), fixes_.begin());
     fixes_.pop_back();
@@ -92,6 +94,7 @@ Fusion DelayedFilter::correct(const Fix& fix, double time, bool may_restart) {
 Fusion DelayedFilter::redo_from(std::size_t index, double time) {
   Fusion fusion = Fusion::kRefused;
   std::size_t f = 0;
+  // At most once a fix kept.
   while (f < fixes_.size() && index_at(fixes_[f].time).value_or(0) < index) ++f;
   for (std::size_t i = index; i < count_; ++i) {
     Moment& now = moment(i);
@@ -99,6 +102,7 @@ Fusion DelayedFilter::redo_from(std::size_t index, double time) {
     now.filter.predict(now.input, now.dt);
     for (const Moment::Height& height : now.heights)
       (void)now.filter.correct_altitude(height.z, height.sigma, height.systematic);
+    // At most once a fix kept, all ticks together.
     for (; f < fixes_.size() && index_at(fixes_[f].time) == i; ++f) {
       const Fusion one = now.filter.correct(fixes_[f].fix);
       if (fixes_[f].time == time) fusion = one;

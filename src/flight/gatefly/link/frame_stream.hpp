@@ -45,6 +45,7 @@ class FrameStream {
  private:
   template <class OnFrame>
   void settle(OnFrame& on_frame) {
+    // At most once a byte held: each time at least one of them is dropped.
     while (size_ > 0) {
       const Bytes held{buffer_.data(), size_};
       const Look look = Protocol::look(held);

@@ -84,6 +84,7 @@ Frame Protocol::frame_in(Bytes bytes) {
 
 std::size_t encode_frame(const Frame& frame, std::uint8_t extra, std::span<std::uint8_t> out) {
   Bytes payload = frame.payload;
+  // At most once a byte.
   while (payload.size() > 1 && payload.back() == 0) payload = payload.first(payload.size() - 1);
   if (payload.empty() || payload.size() > kMostPayload) return 0;
   link::ByteWriter writer{out};

@@ -22,6 +22,7 @@ std::optional<Channels> channels_in(Bytes payload) {
   if (payload.size() % 2 != 0 || payload.size() / 2 > kMostChannels) return std::nullopt;
   Channels channels;
   link::ByteReader in{payload};
+  // At most kMostChannels times.
   while (!in.rest().empty()) channels.push_back(in.take<std::uint16_t>());
   return channels;
 }
@@ -35,6 +36,7 @@ std::optional<BoxIds> box_ids_in(Bytes payload) {
 
 std::string_view box_name_in(Bytes payload, std::size_t index) {
   auto begin = payload.begin();
+  // At most once a byte: each time it begins behind a semicolon.
   while (true) {
     const auto end = std::find(begin, payload.end(), ';');
     if (end == payload.end()) return {};
@@ -57,6 +59,7 @@ std::optional<ModeRanges> mode_ranges_in(Bytes payload) {
   const auto step = [&] {
     return static_cast<std::uint16_t>(kFirstStep + kStep * in.take<std::uint8_t>());
   };
+  // At most once for four bytes.
   while (!in.rest().empty()) {
     ModeRange range;
     range.box = static_cast<Box>(in.take<std::uint8_t>());

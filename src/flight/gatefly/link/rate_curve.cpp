@@ -63,6 +63,7 @@ int RateCurve::stick(double rate) const {
   const int sign = rate < 0.0 ? -1 : 1;
   // The curve never falls: the first place that is fast enough, or the one before.
   int slow = 0, fast = sign < 0 ? mid - kLeastStick : kMostStick - mid;
+  // At most ten times: each halves what is left of a thousand places.
   while (slow < fast) {
     const int middle = (slow + fast) / 2;
     if (rate_away(*this, middle) < wanted)
@@ -71,7 +72,8 @@ int RateCurve::stick(double rate) const {
       fast = middle;
   }
   if (fast > 0 && wanted - rate_away(*this, fast - 1) < rate_away(*this, fast) - wanted) --fast;
-  // The curve is flat at the middle and at the limit: the stick nearest to the middle is taken.
+  // The curve is flat at the middle and at the limit: the stick nearest to the middle is taken, at
+  // most a thousand places on.
   while (fast > 0 && rate_away(*this, fast - 1) == rate_away(*this, fast)) --fast;
   return mid + sign * fast;
 }

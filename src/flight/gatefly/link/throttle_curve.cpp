@@ -40,6 +40,7 @@ int ThrottleCurve::throttle(int stick) const {
 
 int ThrottleCurve::stick(int throttle_wanted) const {
   int low = min_check_, high = kFullStick;
+  // At most eleven times: each halves what is left of 2,000 places.
   while (low < high) {
     const int middle = (low + high) / 2;
     if (throttle(middle) < throttle_wanted)

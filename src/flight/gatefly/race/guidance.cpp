@@ -199,6 +199,7 @@ double Guidance::wanted_speed(const NavigationState& now, const Course& course) 
   const Segment& turn = path.segments[segments > 1 ? segments - 2 : 0];
   if (course.to_go() < last.length + turn.length) {
     constexpr double kStep = 0.1;  // [m/s]
+    // At most as often as the speed wanted has tenths of a metre per second.
     while (speed > p.slowest && way_to_settle(path, speed, params_.max_lateral) < p.settle * speed)
       speed = std::max(p.slowest, speed - kStep);
   }

@@ -89,6 +89,7 @@ double Path::nearest(const Eigen::Vector2d& position, double from, double to) co
 PathHeight Path::height_at(double s) const {
   if (levels.empty()) return {};
   std::size_t next = 0;
+  // At most once a level.
   while (next + 1 < levels.size() && levels[next].s <= s) ++next;
   const Level &from = levels[next > 0 ? next - 1 : 0], &to = levels[next];
   const double length = std::max(to.s - from.s, kShortestRamp);

@@ -136,6 +136,7 @@ double room_before(const Track& track, const PlanParams& params,
   const MapGate& gate = track.gates[static_cast<std::size_t>(index)];
   const double wanted = params.clearance + params.body_radius;
   double room = kStep;
+  // At most 80 times.
   for (; room < kFarthest; room += kStep) {
     const Pose2 there = moved({gate.p_EG.head<2>(), gate.yaw_EG}, -(room + kStep));
     Path axis;

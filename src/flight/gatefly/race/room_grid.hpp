@@ -156,6 +156,7 @@ class RoomGrid {
     costs[static_cast<std::size_t>(from)] = first;
     open.emplace(first + rest(from), from);
     std::vector<bool> done(margins_.size());
+    // At most once an entry: each cell, once done, adds one for each of its 26 neighbours at most.
     while (!open.empty()) {
       const int cell = open.top().second;
       open.pop();
@@ -181,6 +182,7 @@ class RoomGrid {
   }
   Polyline way_back(int cell, const std::vector<int>& before) const {
     Polyline line;
+    // At most once a cell: the one before was done earlier.
     for (; cell >= 0; cell = before[static_cast<std::size_t>(cell)]) line.push_back(place(cell));
     std::reverse(line.begin(), line.end());
     return line;

@@ -34,8 +34,10 @@ struct Corner {
 /// Leaves out what need not be touched on the way.
 Polyline pulled_taut(const Polyline& line, const RoomGrid& grid, double least) {
   Polyline taut{line.front()};
+  // At most once a point of the line.
   for (std::size_t i = 0; i + 1 < line.size();) {
     std::size_t next = line.size() - 1;
+    // At most once a point of the line.
     while (next > i + 1 && !grid.is_free(line[i], line[next], least)) --next;
     taut.push_back(line[next]);
     i = next;

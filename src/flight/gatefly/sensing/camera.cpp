@@ -54,6 +54,7 @@ std::optional<Eigen::Vector2d> undistorted(const RadialPolynomial& radial,
     if (error.norm() <= kTolerance * (1.0 + size)) return m;
     const Eigen::Vector2d newton = now.jacobian.inverse() * error;
     double part = 1.0;
+    // At most as often as one can be halved before it is kLeastPart.
     for (; part > kLeastPart; part *= 0.5) {
       const Eigen::Vector2d next = m + part * newton;
       if (!(next.norm() < radial.limit())) continue;

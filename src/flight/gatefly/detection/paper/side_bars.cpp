@@ -58,6 +58,7 @@ std::pair<Peak, Peak> two_bars(const Histogram& histogram, int smoothing) {
     return u >= 0 && u < histogram.width && histogram.smooth(u, smoothing) > 0.5 * first.height;
   };
   int left = first.u, right = first.u;
+  // At most once a column each.
   while (is_bar(left)) --left;
   while (is_bar(right)) ++right;
   const Peak before = highest(histogram, smoothing, 0, left + 1),

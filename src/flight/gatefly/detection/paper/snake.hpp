@@ -23,6 +23,7 @@ inline double distance(Pixel a, Pixel b) {
 /// flight code does (docs/paper/deviations.md#alg-2). Ends at the border at the latest.
 inline Pixel snake(const ColorMask& is_gate, Pixel p, int du, int dv) {
   const int side_u = dv != 0 ? 1 : 0, side_v = du != 0 ? 1 : 0;
+  // At most once a pixel: each step goes one on in (du, dv).
   for (;;) {
     if (is_gate(p.u + du, p.v + dv)) {
       p = {p.u + du, p.v + dv};

@@ -263,6 +263,7 @@ const BarFinder::Bars& BarFinder::find(const Image& image, const PictureColor& c
     each_crossing(image, color, r,
                   [&](float x, int strength, int width) { cross(x, r, strength, width); });
     for (std::size_t i = 0; i < snakes.size(); ++i) {
+      // At most once a snake: each time one of them is done.
       while (i < snakes.size() && r - snakes[i].last >= 2) {
         finish(snakes[i]);
         snakes[i] = snakes.back();

@@ -59,6 +59,7 @@ Eigen::Vector2d beyond(const Bar& bar, double y) {
 }
 
 void join_pieces(BarFinder::Bars& bars, int stride) {
+  // At most once a bar: each time there is one less.
   while (join_two(bars, stride)) {
   }
 }

@@ -127,10 +127,11 @@ class BoardSide {
     double from = kInnermost * board_px_;
     // The border may cut a board around an opening: the part next to the opening is left.
     int skipped = 0;
+    // At most kMostSamples times, with the loop below.
     if (opens_)
       while (skipped < samples && !chroma_at(at(t, from + apart * 0.5))) from += apart, ++skipped;
     std::array<double, static_cast<std::size_t>(kMostSamples)> shown;
-    int n = 0;
+    int n = 0;  // at most kMostSamples
     for (; n < samples - skipped; ++n) {
       const auto c = chroma_at(at(t, from + apart * (n + 0.5)));
       if (!c) break;  // the border

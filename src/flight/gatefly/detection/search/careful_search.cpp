@@ -127,6 +127,7 @@ class Look {
             {candidate.corners_px, to_pixels(frame.quad, step_), frame.score, has_shape});
     }
     insertion_sort(best, better);
+    // At most once a frame kept.
     while (in_window_ && best.size() > kFramesOfWindow) best.pop_back();
     return best;
   }
@@ -243,6 +244,7 @@ GateDetections CarefulSearch::detect(const Image& image, const PictureColor& col
   candidates_.clear();
   templates_.search(map_, least_worth_a_look(params_.min_score), candidates_, within);
   if (within != nullptr)
+    // At most once a candidate.
     while (candidates_.size() > (within->for_one ? kPlacesForOne : kPlacesOfPart))
       candidates_.pop_back();
   Look look{map_, image, color, params_, bend_, guesses_, within != nullptr, trace};

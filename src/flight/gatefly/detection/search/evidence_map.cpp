@@ -106,6 +106,7 @@ EvidenceMap::EvidenceMap() {
 void EvidenceMap::fill(const Image& image, const PictureColor& color, const SearchWindow* within) {
   // Two pixels a cell at least, and as many as it takes.
   step_ = 2;
+  // At most as often as the picture's larger side has pixels.
   while ((image.width() / step_) * (image.height() / step_) > kCells) ++step_;
   cells_ = Divisor{step_};
   width_ = image.width() / step_, height_ = image.height() / step_;

@@ -153,6 +153,7 @@ void OpeningSearch::mark(const Image& image, const PictureColor& color) {
 }
 
 int OpeningSearch::root_of(int label) const {
+  // At most once a label: a parent has a smaller one.
   while (parent_[static_cast<std::size_t>(label)] != label)
     label = parent_[static_cast<std::size_t>(label)];
   return label;

@@ -123,6 +123,7 @@ class Part {
       return left + t * (right - left) + Vector2d{0.0, 4.0 * t * (1.0 - t) * sag};
     };
     int from = 0, to = kLevelSamples - 1;
+    // At most kLevelSamples times, both together.
     while (from <= to && !in_view(at(from))) ++from;
     while (to >= from && !in_view(at(to))) --to;
     const int samples = to - from + 1;

@@ -46,6 +46,7 @@ std::optional<std::size_t> DelayRing::at(double time, double beyond) const {
   const std::size_t first = kept_before(oldest() + spacing_ - 1) + 1;
   if (newest() < first) return std::nullopt;
   std::size_t i = newest();
+  // At most once a moment kept.
   while (i > first && std::abs((*this)[i - 1].time - time) <= std::abs((*this)[i].time - time)) --i;
   const double step = (*this)[i].time - (*this)[i - 1].time;
   const double most = time > (*this)[i].time ? std::max(step, beyond) : step;

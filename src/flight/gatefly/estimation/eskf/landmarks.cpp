@@ -95,6 +95,7 @@ bool Landmarks::bring_in(std::size_t target, Nominal& x, Covariance& P) {
   int slot = 0;
   for (std::size_t landmark = 0; landmark < known_.size(); ++landmark) {
     if (known_[landmark].slot >= 0 || !known_[landmark].wanted) continue;
+    // At most once a slot: as many gates are wanted as there are slots.
     while (known_[in_slot(slot)].wanted) ++slot;
     take_out(slot, x, P);
     put_in(landmark, slot, x, P);

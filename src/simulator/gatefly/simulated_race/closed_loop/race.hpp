@@ -54,7 +54,7 @@ struct RaceResult {
   bool finished = false;
   int gates_passed = 0, gates_total = 0;
   int through_false_gates = 0, through_other_gates = 0;  ///< As sim::StrayPasses counts them.
-  double race_time = 0.0;  ///< Motors on to last gate [s].
+  double race_time = 0.0;                                ///< Motors on to last gate [s].
   std::vector<double> lap_times;
   double mean_speed = 0.0, max_speed = 0.0;  ///< First to last gate plane [m/s].
   std::optional<double> crash_time;          ///< [s]
