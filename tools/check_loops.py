@@ -4,34 +4,77 @@
 
 usage: check_loops.py [ROOT]
 
-Looked at are `while`, `do` and every `for` of which a part is left out: a `for` over a list, or with a beginning, an end and a step, counts.
-Exit 0: each says it."""
+What counts: a `for` over a list, and one with a beginning, an end, and a step of one variable by ++, --, += or -= of a number or a constant (kLikeThis).
+All others, `while`, `do` and `goto` too, have to say it; that it is true is read by people. Exit 0: each says it."""
 import pathlib
 import re
 import sys
 
 FOLDERS = ("src/flight", "c")
-OPEN = re.compile(r"\b(?:while|do) *[({]|\bfor *\( *;|\bfor *\([^;()]*;[^;-]*; *\) *[{\w]")
-OPEN_OR_IF = re.compile(r"^\s*(?:while|if|for) *\(")
+LOOP = re.compile(r"\b(for|while|do|goto)\b")
+STEPS = re.compile(r"^(?:(?:\+\+|--)[\w.]+|[\w.]+(?:\+\+|--)|[\w.]+ *[+-]= *(?:[\d.]+|\w+))$")
 COMMENT = re.compile(r"^\s*(?://|/?\*)")
+CONTINUES = re.compile(r"^\s*(?:while|if|for)\b")
 SAYS_IT = re.compile(r"\bat\s+(?://\s*)?most\b", re.IGNORECASE)
+
+
+def code_of(text):
+    """The text with blanks in place of comments and of what is between quotes."""
+    return re.sub(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'', lambda m: re.sub(r"[^\n]", " ", m[0]), text, flags=re.DOTALL)
+
+
+def header_at(code, begin):
+    """What is between the brackets that open at or after `begin`."""
+    first = code.find("(", begin)
+    depth = 0
+    for i in range(first, len(code)):
+        depth += (code[i] == "(") - (code[i] == ")")
+        if depth == 0:
+            return code[first + 1:i]
+    return ""
+
+
+def parts_of(header):
+    """A for's three parts; one where it goes over a list."""
+    parts, depth = [""], 0
+    for letter in header:
+        depth += (letter in "({[") - (letter in ")}]")
+        if letter == ";" and depth == 0:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return [part.strip() for part in parts]
+
+
+def counts(header):
+    parts = parts_of(header)
+    if len(parts) == 1:
+        return True
+    first, condition, step = parts
+    if first and condition and not step:
+        return re.fullmatch(r"\w+-- > 0", condition) is not None
+    return bool(first and condition and any(STEPS.match(each.strip()) for each in parts_of(step.replace(",", ";"))))
 
 
 def silent_loops(text):
     """(line number, line) of each loop that does not count and has no bound beside it."""
-    lines = text.splitlines()
-    for i, line in enumerate(lines):
-        code, _, comment = line.partition("//")
-        if COMMENT.match(line) or not OPEN.search(code):
+    lines, code = text.splitlines(), code_of(text)
+    for found in LOOP.finditer(code):
+        if found[1] == "for" and counts(header_at(code, found.end())):
             continue
-        above = i
+        # The end of do ... while.
+        if found[1] == "while" and re.search(r"\}\s*$", code[:found.start()]) and re.match(r"\s*;", code[found.end() + len(header_at(code, found.end())) + 3:]):
+            continue
+        number = code.count("\n", 0, found.start())
+        above = number
         # One comment may be said of two loops in a row, or of a condition and its loop.
-        while above > 0 and OPEN_OR_IF.match(lines[above - 1]):
+        while above > 0 and CONTINUES.match(lines[above - 1]):
             above -= 1
         while above > 0 and COMMENT.match(lines[above - 1]):
             above -= 1
-        if not SAYS_IT.search("\n".join([*lines[above:i], comment, lines[i - 1].partition("//")[2]])):
-            yield i + 1, line.strip()
+        beside = [each.partition("//")[2] for each in (lines[number - 1] if number else "", lines[number])]
+        if not SAYS_IT.search("\n".join([*lines[above:number], *beside])):
+            yield number + 1, lines[number].strip()
 
 
 def main(root):

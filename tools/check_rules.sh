@@ -11,7 +11,7 @@
 #   armv7, aarch64   the flight code's tests and a recorded race by qemu, as on this processor
 #   realtime     no step allocates, locks or calls the system (clang 22)
 #   budget       a step takes at most 2 % more instructions than tests/c_interface/budget.csv says, 5 % in the race
-#   calls        nothing that a step can call allocates, locks, throws or calls the system, but what is listed with its reason
+#   calls        nothing that a step of our modes can call allocates, locks, throws or calls the system, but what is listed with its reason
 #   stack        a step of our modes takes at most 32 KB of stack, and nothing in it calls itself
 #   companion    preset companion builds, with g++ 11, too, where that is installed, and replays
 set -uo pipefail
@@ -27,7 +27,7 @@ armv7() { tools/check_arm.py armv7; }
 aarch64() { tools/check_arm.py aarch64; }
 budget() { tools/count_steps.py --budget; }
 stack() { cmake --build build/release --target gatefly_c && tools/check_stack.py build/release/c/libgatefly_c.so gatefly_step 32768 paper Paper side_bars; }
-calls() { cmake --build build/release --target gatefly_c && tools/check_calls.py build/release/c/libgatefly_c.so gatefly_step paper Paper side_bars; }
+calls() { cmake --build build/release --target gatefly_c && tools/check_calls.py build/release/c/libgatefly_c.so gatefly_step,gatefly_push_image,gatefly_push_sonar,gatefly_push_baro,gatefly_push_navigation_imu,gatefly_get_command,gatefly_get_state,gatefly_get_health paper Paper side_bars; }
 realtime() { tools/check_realtime.sh; }
 companion() { tools/check_companion.sh; }
 sanitizers() { cmake --preset asan && cmake --build --preset asan && ctest --preset asan -j "$(nproc)"; }

@@ -5,40 +5,55 @@
 usage: check_stack.py FILE FUNCTION BYTES [PATTERN]...   e.g. check_stack.py build/release/c/libgatefly_c.so gatefly_step 32768
 
 Reads what objdump prints: each function's frame (pushes and what it subtracts from the stack pointer) and whom it calls; the deepest way down is
-the answer. Functions whose name matches a PATTERN are left out, e.g. those of the paper's modes. A function of another library counts as
-OUTSIDE. Calls by pointer are listed: what they lead to is not in the sum. Exit 0: at most BYTES and no recursion."""
+the answer. Functions whose readable name has a PATTERN in it are left out, e.g. those of the paper's modes. A function of another library counts as
+OUTSIDE. Frames whose size is known at run time only, and calls by pointer, are not in the sum: they are listed, and refused but for VARIABLE.
+Exit 0: at most BYTES, no recursion, no call by pointer."""
 import re
 import subprocess
 import sys
 
 OUTSIDE = 512  # memcpy, sqrt, ... [bytes]
 FUNCTION = re.compile(r"^([0-9a-f]+) <(.+)>:$")
-CALL = re.compile(r"\t(?:call|jmp|j\w+) +[0-9a-f]+ <([^+>]+(?:\([^>]*\))?.*?)(\+0x[0-9a-f]+)?>$")
+CALL = re.compile(r"\t(?:\w+ )*(call|jmp|j\w+) +[0-9a-f]+ <([^+>]+(?:\([^>]*\))?.*?)(\+0x[0-9a-f]+)?>$")
+ANY_CALL = re.compile(r"\t(?:[\w.]+ )*call\b")
 DOWN = re.compile(r"\t(?:(sub|add) +\$0x([0-9a-f]+),%rsp|lea +-0x([0-9a-f]+)\(%rsp\),%rsp)$")
+DOWN_BY_REGISTER = re.compile(r"\tsub +%r\w+,%rsp$")
 BY_POINTER = re.compile(r"\t(?:call|(?:notrack )?jmp) +\*")
-# A switch jumps by a table, to what it has added up just before.
-SWITCH = re.compile(r"\tadd +%r\w+,(%r\w+)$")
+# A switch jumps by a table: it loads how far from the table, and adds where that is.
+LOADED, ADDED = re.compile(r"\tmovslq \(.*,4\),(%r\w+)$"), re.compile(r"\tadd +%r\w+,(%r\w+)$")
+
+# Kernels of Eigen that take memory where they are given none. Matrices here have a largest size, and bring theirs with them
+# (gemm_blocking_space of Eigen/src/Core/products/GeneralMatrixMatrix.h).
+VARIABLE = ("Eigen::internal::triangular_solve_matrix<", "Eigen::internal::general_matrix_matrix_triangular_product<")
 
 
 class Function:
     def __init__(self):
-        self.frame, self.calls, self.by_pointer = 8, set(), 0
+        self.frame, self.calls = 8, set()
+        self.by_pointer = self.calls_itself = self.variable_frame = self.unclear = False
+
+
+def is_switch(lines, register):
+    """Whether the instructions before a jump to a register load and add up a place of a table."""
+    added, loaded = (ADDED.search(lines[-1]), any(LOADED.search(line) for line in lines)) if lines else (None, False)
+    return bool(added and loaded and added[1] == register)
 
 
 def read(path):
-    """{name: Function} of all code in a file."""
+    """{name: Function} of all code in a file; names as the linker has them."""
     text = subprocess.run(["objdump", "-d", "--no-show-raw-insn", path], check=True, capture_output=True, text=True).stdout
-    functions, here, before = {}, None, ""
+    functions, here, name, before = {}, None, "", []
     for text_line in text.splitlines():
         line = text_line.rstrip()
         begin = FUNCTION.match(line)
         if begin:
-            here = functions.setdefault(begin[2], Function())
+            name, before = begin[2], []
+            here = functions.setdefault(name, Function())
             # One of several versions, for this processor or that, is called by way of what chooses it.
-            if begin[2].endswith(".resolver"):
-                functions[f"*ABS*+0x{int(begin[1], 16):x}"] = functions[begin[2].removesuffix(".resolver")] = Function()
+            if name.endswith(".resolver"):
+                functions[f"*ABS*+0x{int(begin[1], 16):x}"] = functions[name.removesuffix(".resolver")] = Function()
             continue
-        if here is None:
+        if here is None or "\t" not in line:
             continue
         if "\tpush " in line:
             here.frame += 8
@@ -47,27 +62,47 @@ def read(path):
             size = int(down[2] or down[3], 16)
             size -= 2**64 if size >= 2**63 else 0
             here.frame += max(0, -size if down[1] == "add" else size)
-        call = CALL.search(line)
-        if call and call[2] is None:
-            here.calls.add(call[1])
-        switched = SWITCH.search(before)
-        here.by_pointer += bool(BY_POINTER.search(line)) and not (switched and line.endswith(f" *{switched[1]}"))
-        before = line
+        here.variable_frame = here.variable_frame or bool(DOWN_BY_REGISTER.search(line))
+        call, by_pointer = CALL.search(line), BY_POINTER.search(line)
+        if call and (call[3] is None or call[2].endswith(".cold")):
+            here.calls_itself = here.calls_itself or (call[1] == "call" and call[2] == name)
+            here.calls.add(call[2])
+        elif ANY_CALL.search(line) and not by_pointer:
+            here.unclear = True
+        if by_pointer and not is_switch(before, line.rpartition("*")[2]):
+            here.by_pointer = True
+        before = [*before[-6:], line]
     for name, function in list(functions.items()):
         if name.endswith(".resolver"):
             versions = {each for each in functions if each.startswith(name.removesuffix("resolver")) and each != name}
             functions[name.removesuffix(".resolver")].calls.update(versions)
+        if name + ".cold" in functions:
+            function.calls.add(name + ".cold")
     return functions
 
 
-def shown(name):
-    return subprocess.run(["c++filt", name.removesuffix(".cold")], check=True, capture_output=True, text=True).stdout.strip()[:110]
+def readable(names):
+    """{name: as in the source}."""
+    listed = sorted(names)
+    plain = [re.sub(r"\.cold$|\.resolver$", "", each) for each in listed]
+    lines = subprocess.run(["c++filt"], input="\n".join(plain), check=True, capture_output=True, text=True).stdout.splitlines()
+    return dict(zip(listed, lines, strict=True))
+
+
+def without(functions, patterns):
+    """All but those with a pattern in their readable name, and the calls of them."""
+    names = readable(functions)
+    gone = {name for name, text in names.items() if any(pattern in text.replace("(anonymous namespace)::", "").partition("(")[0] for pattern in patterns)}
+    kept = {name: function for name, function in functions.items() if name not in gone}
+    for function in kept.values():
+        function.calls = {each for each in function.calls if each not in gone and each.removesuffix("@plt") not in gone}
+    return kept
 
 
 class Depth:
-    def __init__(self, functions, left_out):
-        self.functions, self.left_out = functions, left_out
-        self.known, self.below, self.on_the_way, self.recursion, self.pointers = {}, {}, [], [], set()
+    def __init__(self, functions):
+        self.functions = functions
+        self.known, self.below, self.on_the_way, self.recursion = {}, {}, [], []
 
     def of(self, name):
         if name in self.known:
@@ -79,10 +114,8 @@ class Depth:
         if function is None or name.endswith("@plt"):
             own = self.functions.get(name.removesuffix("@plt")) if name.endswith("@plt") else None
             return self.of(name.removesuffix("@plt")) if own else OUTSIDE
-        if any(pattern in name for pattern in self.left_out):
-            return 0
-        if function.by_pointer:
-            self.pointers.add(name)
+        if function.calls_itself:
+            self.recursion.append([name, name])
         self.on_the_way.append(name)
         deepest, self.below[name] = max(((self.of(each), each) for each in function.calls if each != name), default=(0, None))
         self.on_the_way.pop()
@@ -91,22 +124,30 @@ class Depth:
 
 
 def main(path, start, most, *left_out):
-    functions = read(path)
+    functions = without(read(path), left_out)
     if start not in functions:
         sys.exit(f"check_stack: {path} has no {start}")
     sys.setrecursionlimit(10000)
-    depth = Depth(functions, left_out)
+    depth = Depth(functions)
     total = depth.of(start)
+    names = readable(functions)
     print(f"stack: {total} bytes below {start} at most; the deepest way:")
     name = start
     while name in depth.below:
-        print(f"  {functions[name].frame:7}  {shown(name)}")
+        print(f"  {functions[name].frame:7}  {names[name][:110]}")
         name = depth.below[name]
-    for way in depth.recursion:
-        print("recursion: " + " -> ".join(shown(each) for each in way))
-    for name in sorted(depth.pointers):
-        print(f"by pointer: {shown(name)}")
-    return 0 if total <= int(most) and not depth.recursion else 1
+    wrong = ["recursion: " + " -> ".join(names[each][:110] for each in way) for way in depth.recursion]
+    for name in sorted(depth.known):
+        if functions[name].by_pointer:
+            wrong.append(f"by pointer: {names[name][:110]}")
+        if functions[name].unclear:
+            wrong.append(f"a call that is not understood: {names[name][:110]}")
+        if functions[name].variable_frame:
+            known = any(each in names[name] for each in VARIABLE)
+            (print if known else wrong.append)(f"{'  ' if known else ''}a frame of variable size: {names[name][:110]}")
+    for each in wrong:
+        print(each)
+    return 0 if total <= int(most) and not wrong else 1
 
 
 if __name__ == "__main__":

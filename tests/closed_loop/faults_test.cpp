@@ -56,6 +56,20 @@ std::ptrdiff_t pictures(const Arrived& arrived, double from, double to) {
                        [&](double t) { return t >= from && t < to; });
 }
 
+TEST(FalseGates, OneOnTheWayIsCountedAndACleanRaceHasNone) {
+  RaceConfig race = ideal({});
+  const RaceResult clean = fly(race, {});
+  EXPECT_TRUE(clean.finished);
+  EXPECT_EQ(clean.through_false_gates, 0);
+  EXPECT_EQ(clean.through_other_gates, 0);
+  // A quarter of the way from the pad to the first gate, which is flown through by the same pilot.
+  world::WorldGate on_the_way = race.sim.world.gates.front();
+  on_the_way.p_EG.head<2>() = 0.75 * race.pilot.track.start + 0.25 * on_the_way.p_EG.head<2>();
+  on_the_way.side = 2.0;
+  race.sim.world.false_gates.push_back(on_the_way);
+  EXPECT_EQ(fly(race, {}).through_false_gates, 1);
+}
+
 TEST(CameraFaults, ABurstIsAGapAndNothingElse) {
   const Arrived arrived = flown_until(ideal({.camera_out = {2.0, 1.0}}), 5.0);
   EXPECT_GT(pictures(arrived, 1.0, 2.0), 12);

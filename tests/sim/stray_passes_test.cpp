@@ -49,6 +49,20 @@ TEST(StrayPasses, CountAGateOutOfTurnForwardsOnly) {
   EXPECT_EQ(flown_straight({11, 0, -1.5}, {9, 0, -1.5}, 0).through_other_gates(), 0);
 }
 
+TEST(StrayPasses, CountOneOutOfTurnForEachGateThatIsNext) {
+  StrayPasses passes{two_gates_and_a_false_one()};
+  const auto through = [&](double north, int next) {
+    passes.update({north - 1, 0, -1.5}, next);
+    passes.update({north + 1, 0, -1.5}, next);
+    passes.update({north + 1, 3, -1.5}, next);
+    passes.update({north - 1, 3, -1.5}, next);
+  };
+  through(10, 0), through(10, 0);
+  EXPECT_EQ(passes.through_other_gates(), 1) << "gate 1 was missed";
+  through(5, 0), through(5, 1);
+  EXPECT_EQ(passes.through_other_gates(), 2) << "gate 2 was";
+}
+
 TEST(StrayPasses, DoNotCountAGateThatIsNotThere) {
   world::World world = two_gates_and_a_false_one();
   world.gates[1].missing = true;

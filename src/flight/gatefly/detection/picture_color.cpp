@@ -38,6 +38,7 @@ using Counts = std::array<int, kLevels>;
 
 int median_of(const Counts& counts, int total) {
   int level = 0;
+  // At most kLevels times.
   for (int so_far = counts[0]; 2 * so_far < total && level < kLevels - 1;)
     so_far += counts[static_cast<std::size_t>(++level)];
   return level;
@@ -76,6 +77,7 @@ ChromaTone tone_of(const Image& image, const ColorModel& model) {
   if (pixels == 0 || pairs == 0) return tone;
   tone.neutral_u = neutral_of(us, pixels), tone.neutral_v = neutral_of(vs, pixels);
   int part = 0;
+  // At most kLevels times.
   for (int so_far = contrasts[0]; 10 * so_far < 9 * pairs && part < kLevels - 1;)
     so_far += contrasts[static_cast<std::size_t>(++part)];
   tone.gain = gain_of(kContrast * kParts / (part + 0.5));

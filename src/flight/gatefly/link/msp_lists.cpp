@@ -36,7 +36,7 @@ std::optional<BoxIds> box_ids_in(Bytes payload) {
 
 std::string_view box_name_in(Bytes payload, std::size_t index) {
   auto begin = payload.begin();
-  // At most once a byte: each time it begins behind a semicolon.
+  // At most once more than there are bytes: each time it begins behind a semicolon.
   while (true) {
     const auto end = std::find(begin, payload.end(), ';');
     if (end == payload.end()) return {};

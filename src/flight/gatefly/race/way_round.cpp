@@ -252,6 +252,7 @@ class WaySearch {
 WayRound way_round(const std::vector<MapSolid>& solids, const Track& room, const PlanParams& params,
                    const LegEnd& from, const LegEnd& to) {
   const WaySearch search{solids, params, from, to};
+  // At most twice.
   for (double step = 0.2;; step *= 0.5) {
     const RoomGrid grid{solids, room, params, step};
     if (auto path = search.path(grid)) return {std::move(path), ""};

@@ -29,9 +29,14 @@ void StrayPasses::update(const Eigen::Vector3d& p_EB, int next) {
   if (last_E_) {
     for (const world::WorldGate& gate : world_.false_gates)
       false_ += crossing(gate, *last_E_, p_EB) != Crossing::kNone;
-    for (int i = 0; i < static_cast<int>(world_.gates.size()); ++i)
-      others_ += i != next && crossing(world_.gates[static_cast<std::size_t>(i)], *last_E_, p_EB) ==
-                                  Crossing::kForwards;
+    if (next != counted_for_) counted_for_ = -1;
+    for (int i = 0; i < static_cast<int>(world_.gates.size()) && counted_for_ < 0; ++i) {
+      if (i == next || crossing(world_.gates[static_cast<std::size_t>(i)], *last_E_, p_EB) !=
+                           Crossing::kForwards)
+        continue;
+      ++others_;
+      counted_for_ = next;
+    }
   }
   last_E_ = p_EB;
 }

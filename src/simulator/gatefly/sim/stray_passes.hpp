@@ -11,9 +11,10 @@ namespace gatefly::sim {
 
 /// Counts flights through a gate that is not the next one, which the referee does not count.
 ///
-/// A pass is the centre of mass crossing the gate's plane inside its opening. A false gate is not to
-/// be flown through at all; a gate of the map out of its turn, forwards, as a confused pilot would:
-/// the way back from one gate may lead through another. Sees nothing but the truth.
+/// A pass is the centre of mass crossing the gate's plane inside its opening. A false gate counts each
+/// time and in either direction. A gate of the map counts forwards only, as flying back through one is
+/// allowed, and once for each gate that is the next one: after a gate that was missed all others come out
+/// of their turn. Sees nothing but the truth.
 class StrayPasses {
  public:
   explicit StrayPasses(const world::World& world) : world_{world} {}
@@ -28,6 +29,7 @@ class StrayPasses {
   world::World world_;
   std::optional<Eigen::Vector3d> last_E_;
   int false_ = 0, others_ = 0;
+  int counted_for_ = -1;  ///< The next gate when one of the map was counted last.
 };
 
 }  // namespace gatefly::sim

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Where blind half circles end: the paper's, those in recorded takes, and simulated ones. Li18 §4,
 // Fig. "feed forward control", Table "accuracy distribution".
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <string>
@@ -18,6 +19,7 @@ namespace gatefly::experiments {
 namespace {
 
 constexpr PlannedArc kPlanned;
+const Eigen::Vector2d kPlannedEnd{0.0, 2.0 * kPlanned.radius};
 constexpr int kFlights = 10, kAblationFlights = 4, kLaps = 5, kQuickLaps = 3;  // 9 and 5 arcs
 constexpr std::uint64_t kFirstSeed = 2201;
 
@@ -28,7 +30,18 @@ struct PaperArcs {
   Eigen::Vector2d mean{-0.33, 3.67}, variance{0.0251, 0.0657};
   Eigen::Vector2d entry_deviation{0.123, 0.078}, exit_deviation{0.201, 0.299};
   Eigen::Vector2d printed_variance{0.0296, 0.8087};  ///< Its table's "position error variance".
+
+  [[nodiscard]] Eigen::Vector2d from_plan() const {
+    return ((mean - kPlannedEnd).array().square() + variance.array()).sqrt();
+  }
 };
+
+/// Root mean square of how far arcs end from where they are planned to, along each axis [m].
+Eigen::Vector2d from_plan(const std::vector<BlindArc>& arcs) {
+  Eigen::Array2d squares = Eigen::Array2d::Zero();
+  for (const BlindArc& arc : arcs) squares += (arc.displacement() - kPlannedEnd).array().square();
+  return (squares / static_cast<double>(std::max<std::size_t>(1, arcs.size()))).sqrt();
+}
 
 void report_paper(const PaperArcs& paper, Result& result) {
   Eigen::Vector2d with;
@@ -52,7 +65,8 @@ void report_paper(const PaperArcs& paper, Result& result) {
 }
 
 /// A line for each quantity, all sources beside each other.
-void report_quantities(const std::vector<ArcSource>& sources, Result& result) {
+void report_quantities(const std::vector<ArcSource>& sources, const PaperArcs& paper,
+                       Result& result) {
   const auto line_of = [&](const auto& text) {
     std::string line;
     for (const ArcSource& source : sources)
@@ -67,6 +81,8 @@ void report_quantities(const std::vector<ArcSource>& sources, Result& result) {
       result.table.push_back({quantity.name, quantity.paper, line_of([&](const ArcSource& s) {
                                 return text_of(spread_of(s.arcs, quantity.of));
                               })});
+  result.table.push_back({"from the planned end, RMS, x, y [m]", text_of(paper.from_plan()),
+                          line_of([](const ArcSource& s) { return text_of(from_plan(s.arcs)); })});
   for (const int axis : {0, 1})
     result.table.push_back({axis == 0 ? "x beyond 0: by 3° left, late nose, speed, slip [m]"
                                       : "y beyond 3: by 3° left, late nose, speed, slip [m]",
@@ -76,6 +92,7 @@ void report_quantities(const std::vector<ArcSource>& sources, Result& result) {
   for (const ArcSource& source : sources) {
     auto& told = result.json["sources"][source.name];
     told["arcs"] = source.arcs.size();
+    told["from_plan_rms_m"] = json_of(from_plan(source.arcs));
     for (const ArcQuantity& quantity : arc_quantities())
       told[quantity.key] = json_of(spread_of(source.arcs, quantity.of));
   }
@@ -158,6 +175,20 @@ void report_inside(const std::string& name, const SimulatedArcs& flown, const Pa
                                     {"by_pilot_moves_m", json_of(by_pilot)}};
 }
 
+/// Where turns end beside where the pilot's plan has it: also of a pilot whose nose does not follow the way.
+void report_off_plan(const std::string& name, const SimulatedArcs& flown, Result& result) {
+  Eigen::Array2d squares = Eigen::Array2d::Zero();
+  for (const Eigen::Vector2d& off : flown.off_plan) squares += off.array().square();
+  const auto turns = static_cast<double>(std::max<std::size_t>(1, flown.off_plan.size()));
+  const Eigen::Vector2d rms = (squares / turns).sqrt();
+  result.table.push_back(
+      {name + ": turns, seconds since the gate", "",
+       std::to_string(flown.off_plan.size()) + ", " + text_of(spread_of(flown.blind))});
+  result.table.push_back({"  off the plan where they end, RMS, ahead, right, one axis [m]", "",
+                          text_of(rms) + ", " + fixed(std::sqrt(0.5 * rms.squaredNorm()), 2)});
+  result.json["off_plan"][name] = {{"turns", flown.off_plan.size()}, {"rms_m", json_of(rms)}};
+}
+
 /// The columns that only simulated arcs have.
 std::string detail_of(const BlindArc& arc) {
   if (!arc.detail) return ",,,,,,,,,,";
@@ -195,14 +226,18 @@ Result arc_accuracy(const Options& options) {
   const PaperArcs paper;
   const RecordedArcs takes = recorded_arcs(options);
   const std::uint64_t first = first_seed(options, kFirstSeed, kFirstSeed);
-  const auto flown = [&](const char* level) {
+  const auto flown = [&](const char* level, const char* config = "li18",
+                         const std::vector<std::string>& settings = {}) {
     return simulated_arcs({.level = level,
+                           .config = config,
+                           .settings = settings,
                            .flights = options.quick ? 1 : kFlights,
                            .laps = options.quick ? kQuickLaps : kLaps,
                            .first_seed = first},
                           options);
   };
   const SimulatedArcs none = flown("none"), race = flown("race");
+  const SimulatedArcs ours = flown("race", "default");
   const std::vector<ArcSource> sources{
       {.name = "recorded", .color = drawing::kLight.found, .arcs = takes.arcs(), .told = {}},
       {.name = "simulated none", .color = drawing::kLight.flown, .arcs = none.arcs, .told = {}},
@@ -219,10 +254,12 @@ Result arc_accuracy(const Options& options) {
                 .json = {},
                 .csv = csv_of(sources),
                 .picture = picture_of(drawn, sources.front(), kPlanned)};
-  report_quantities(sources, result);
+  report_quantities(sources, paper, result);
   report_paper(paper, result);
   report_inside("simulated none", none, paper, result);
   report_inside("simulated race", race, paper, result);
+  report_off_plan("simulated race", race, result);
+  report_off_plan("ours, shown no gate until then, race", ours, result);
   const ArcFlightCount again{.flights = options.quick ? 1 : kAblationFlights,
                              .laps = options.quick ? kQuickLaps : kLaps,
                              .first_seed = first};

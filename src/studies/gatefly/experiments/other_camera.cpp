@@ -30,8 +30,8 @@ constexpr std::array<Condition, 5> kConditions{
     {{"wide", "lens of 130-170 degrees", {}},
      {"wide_unnamed", "the wide lens, not named", {}, false},
      {"straight", "straight lens", {.straight = true}},
-     {"wide_hard", "the wide lens, hard seeds", {.level = HallCamera::Level::kHard}},
-     {"wide_varied", "the wide lens, varied seeds", {.level = HallCamera::Level::kVaried}}}};
+     {"wide_hard", "the wide lens, level hard", {.level = HallCamera::Level::kHard}},
+     {"wide_varied", "the wide lens, level varied", {.level = HallCamera::Level::kVaried}}}};
 
 /// Seeds and pictures. The full run's seeds are for reports: nothing was ever tuned on them.
 struct Order {

@@ -20,7 +20,7 @@ namespace gatefly::experiments {
 namespace {
 
 constexpr const char* kTrack = "oval-li18";
-constexpr const char* kConfig = "li18";
+constexpr const char* kPapers = "li18";  // configuration
 constexpr int kEvery = 4;         // ticks of 512 Hz for a sample of the motion: Motive's 120 Hz
 constexpr double kSettled = 0.5;  // after the first sighting the estimate has jumped [s]
 
@@ -35,6 +35,8 @@ struct PilotTurn {
 
 struct ArcFlight {
   std::vector<MotionSample> motion;
+  std::vector<Eigen::Vector2d> off_plan;  ///< See SimulatedArcs.
+  std::vector<double> blind;
   std::vector<PilotTurn> turns;
   std::string end;
 };
@@ -59,7 +61,7 @@ class Races {
 
  private:
   static config::Config read(const ArcFlights& flights) {
-    const std::vector<std::string> names{kConfig};
+    const std::vector<std::string> names{flights.config};
     return config::load_config(config::config_files(names), flights.settings);
   }
   ArcFlights flights_;
@@ -72,10 +74,50 @@ Eigen::Vector2d beside(const world::WorldGate& gate, const Eigen::Vector3d& p_EB
   return (rotation_z(-gate.yaw_EG) * (p_EB - gate.p_EG)).head<2>();
 }
 
-ArcFlight flown(const simulated_race::RaceConfig& race, const Options& options) {
+/// The plan's way between two gates, and where on it a pilot believes to be.
+class PlannedTurn {
+ public:
+  PlannedTurn(const Pilot& pilot, const simulated_race::RaceConfig& race)
+      : gates_{race.pilot.track.gates},
+        next_{static_cast<std::size_t>(pilot.target_gate())},
+        before_{(next_ + gates_.size() - 1) % gates_.size()} {
+    const Path& leg = pilot.plan().legs[before_];
+    here_ = leg.at(leg.nearest(pilot.estimate().p_EB.head<2>(), 0.0, leg.length()));
+  }
+  /// The way has turned to the next gate.
+  [[nodiscard]] bool is_over() const {
+    return std::abs(wrap_angle(here_.heading - gates_[next_].yaw_EG)) < 1.0 * kDegree;
+  }
+  /// See SimulatedArcs::off_plan: what the map has wrong about the gate before is not in it.
+  [[nodiscard]] Eigen::Vector2d off_plan(const world::World& world,
+                                         const Eigen::Vector3d& p_EB) const {
+    const MapGate& map = gates_[before_];
+    const Eigen::Vector3d from_gate_E{here_.position.x() - map.p_EG.x(),
+                                      here_.position.y() - map.p_EG.y(), 0.0};
+    return beside(world.gates[before_], p_EB) - (rotation_z(-map.yaw_EG) * from_gate_E).head<2>();
+  }
+
+ private:
+  const std::vector<MapGate>& gates_;
+  std::size_t next_, before_;
+  PathPoint here_;
+};
+
+ArcFlight flown(simulated_race::RaceConfig race, bool hides_gates, const Options& options) {
   ArcFlight flight;
   int tick_number = 0, target_before = 0;
   bool was_turning = false;
+  // From a gate to the end of the planned turn behind it.
+  int gates_passed = 0;
+  std::optional<double> turns_since;
+  // The paper's pilot does not look while it turns; ours is shown nothing.
+  if (hides_gates)
+    race.sensors = [&](Sensors& sensors) {
+      if (turns_since && sensors.seen)
+        *sensors.seen = {.gates = {},
+                         .image_width = sensors.seen->image_width,
+                         .image_height = sensors.seen->image_height};
+    };
   Eigen::Vector2d error = Eigen::Vector2d::Zero();
   const auto result = simulated_race::fly(race, [&](const flight_log::Tick& tick) {
     const double t = seconds(tick.sensors.time);
@@ -101,6 +143,16 @@ ArcFlight flown(const simulated_race::RaceConfig& race, const Options& options) 
       if (turn.seen >= 0.0 && !turn.error_after && t >= turn.seen + kSettled &&
           target == turn.to_gate)
         turn.error_after = error;
+    }
+    if (tick.pilot.estimate().gates_passed != gates_passed)
+      gates_passed = tick.pilot.estimate().gates_passed, turns_since = t;
+    if (turns_since && !tick.pilot.finished()) {
+      const PlannedTurn turn{tick.pilot, race};
+      if (turn.is_over()) {
+        flight.off_plan.push_back(turn.off_plan(race.sim.world, tick.truth.p_EB));
+        flight.blind.push_back(t - *turns_since);
+        turns_since.reset();
+      }
     }
     if (turning == nullptr) target_before = target;
     was_turning = turning != nullptr;
@@ -141,6 +193,8 @@ SimulatedArcs simulated_arcs(const ArcFlights& flights, const Options& options) 
   struct Answer {
     HalfCircles found;
     std::vector<BlindArc> by_pilot;
+    std::vector<Eigen::Vector2d> off_plan;
+    std::vector<double> blind;
     std::string end;
   };
   const Races races{flights};
@@ -148,10 +202,10 @@ SimulatedArcs simulated_arcs(const ArcFlights& flights, const Options& options) 
   in_pieces(answers.size(), options, [&](std::size_t i) {
     const std::uint64_t seed = flights.first_seed + i;
     const simulated_race::RaceConfig race = races.drawn(seed);
-    const ArcFlight flight = flown(race, options);
+    const ArcFlight flight = flown(race, flights.config != kPapers, options);
     const std::vector<SmoothSample> motion = smoothed(flight.motion);
     Answer& answer = answers[i];
-    answer.end = flight.end;
+    answer.end = flight.end, answer.off_plan = flight.off_plan, answer.blind = flight.blind;
     answer.found = find_half_circles(motion);
     for (BlindArc& arc : answer.found.arcs) {
       arc.flight = "seed " + std::to_string(seed);
@@ -171,7 +225,8 @@ SimulatedArcs simulated_arcs(const ArcFlights& flights, const Options& options) 
       to.insert(to.end(), from.begin(), from.end());
     };
     append(all.arcs, answer.found.arcs), append(all.left_out, answer.found.left_out),
-        append(all.by_pilot, answer.by_pilot);
+        append(all.by_pilot, answer.by_pilot), append(all.off_plan, answer.off_plan),
+        append(all.blind, answer.blind);
     ++all.ends[answer.end];
   }
   return all;

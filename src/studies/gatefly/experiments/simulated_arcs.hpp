@@ -13,9 +13,12 @@
 
 namespace gatefly::experiments {
 
-/// One way to fly the paper's control scheme in the simulator.
+/// One way to fly half circles in the simulator.
 struct ArcFlights {
-  std::string level;                       ///< Level of the seeds' draws: "none", "race".
+  std::string level;  ///< Level of the seeds' draws: "none", "race".
+  /// "li18", the paper's scheme, or "default", ours; it is shown no gate from
+  /// one gate to the end of the turn behind it.
+  std::string config = "li18";
   std::vector<std::string> settings = {};  ///< As `gatefly fly --set`.
   std::function<void(world::SimConfig&)> change =
       {};  ///< Applied to the drawn truth; may be empty.
@@ -29,6 +32,10 @@ struct SimulatedArcs {
   std::vector<BlindArc> by_pilot;  ///< The same ones, from the pilot's switch to its switch back.
   std::vector<LeftOut> left_out;
   std::map<std::string, int> ends;  ///< How many flights ended how.
+  /// Where the drone is, less where the plan has it, when the pilot believes itself at the end of the
+  /// planned turn; both from the gate before: ahead, right [m].
+  std::vector<Eigen::Vector2d> off_plan;
+  std::vector<double> blind;  ///< So long it had been since that gate [s].
 };
 
 /// Flies them with ideal vision, several at a time. @throws Stopped; std::runtime_error as the

@@ -256,17 +256,17 @@ struct Effect {
 };
 
 std::vector<Effect> effects() {
-  return {
-      {"everything", {}},
-      {"soft luma: 1.6 px a pixel", {"sim.pixel_footprint_px=1.6"}},
-      {"no red fringes", {"sim.red_shift_px=0"}},
-      {"colours not smoothed", {"sim.chroma_smoothing=0"}},
-      {"every seed as colourful", {"randomize.saturation_percent=0"}},
-      {"bars as wide as the map's", {"sim.paint_width=1"}},
-      {"paint not worn", {"sim.paint_wear=0"}},
-      {"same light with every seed", {"randomize.light_percent=0", "randomize.exposure_percent=0"}},
-      {"camera held straight", {}, 0.0},
-      {"careful recording", {}, 1.0, true}};
+  return {{"everything", {}},
+          {"soft luma: 1.6 px a pixel", {"sim.pixel_footprint_px=1.6"}},
+          {"no red fringes", {"sim.red_shift_px=0"}},
+          {"colours not smoothed", {"sim.chroma_smoothing=0"}},
+          {"the same saturation with every seed", {"randomize.saturation_percent=0"}},
+          {"bars as wide as the map's", {"sim.paint_width=1"}},
+          {"paint not worn", {"sim.paint_wear=0"}},
+          {"the same light with every seed",
+           {"randomize.light_percent=0", "randomize.exposure_percent=0"}},
+          {"camera held straight", {}, 0.0},
+          {"careful recording", {}, 1.0, true}};
 }
 
 /// Tells each effect's share in the hits below 4 m.
@@ -346,7 +346,8 @@ Result twin_hardness(const Options& options) {
                                outcomes(pictures, TwinMode::kPaper, sides.room->config, 1));
       };
       result.table.push_back(
-          {sides.room->set + ", paper, below 4 m: 50 pictures in a row | seeds, 10 to 90 %",
+          {sides.room->set +
+               ", paper, below 4 m: spread, 10 to 90 %, of 50 pictures in a row; of seeds",
            spread(sides.real), spread(sides.rendered)});
       report_looks(sides, result);
       result.extra.push_back({"sheet-" + sides.room->set, twin_sheet(sides.real, sides.rendered)});

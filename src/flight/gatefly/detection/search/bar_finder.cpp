@@ -200,6 +200,7 @@ void BarFinder::each_crossing(const Image& image, const PictureColor& color, int
     edges[count] = static_cast<std::uint8_t>(c), count += shows ^ before, before = shows;
   };
   int next = 0;
+  // At most 64 times, once a bit.
   for (std::uint64_t hopeful = hopeful_[static_cast<std::size_t>(row)]; hopeful != 0;
        hopeful &= hopeful - 1) {
     const int g = std::countr_zero(hopeful);

@@ -234,12 +234,14 @@ void GateTemplates::search(const EvidenceMap& map, int least, GateCandidates& fo
   // A gate is not much larger than what is searched.
   constexpr double kLargeSide = 11.0;
   const int shorter = std::min(cells.width(), cells.height());
+  // At most as often as the shorter side of what is searched can be halved.
   for (int pool = 4; pool == 4 || pool * kLargeSide <= shorter; pool *= 2) {
     halve();
     search_level(large_, pool * map.step(), found);
   }
-  std::sort(found.begin(), found.end(),
-            [](const auto& a, const auto& b) { return a.score > b.score; });
+  // As a heap: std::sort() calls itself.
+  std::partial_sort(found.begin(), found.end(), found.end(),
+                    [](const auto& a, const auto& b) { return a.score > b.score; });
 }
 
 // All places whose samples are in the buffer; beyond left and right they run into the next row's
