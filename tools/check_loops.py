@@ -12,7 +12,7 @@ import sys
 
 FOLDERS = ("src/flight", "c")
 LOOP = re.compile(r"\b(for|while|do|goto)\b")
-STEPS = re.compile(r"^(?:(?:\+\+|--)[\w.]+|[\w.]+(?:\+\+|--)|[\w.]+ *[+-]= *(?:[\d.]+|\w+))$")
+STEP = re.compile(r"^(?:\+\+|--)?([\w.]+?)(?:\+\+|--| *[+-]= *(?:[\d.]+|k[A-Z]\w*))?$")
 COMMENT = re.compile(r"^\s*(?://|/?\*)")
 CONTINUES = re.compile(r"^\s*(?:while|if|for)\b")
 SAYS_IT = re.compile(r"\bat\s+(?://\s*)?most\b", re.IGNORECASE)
@@ -53,7 +53,24 @@ def counts(header):
     first, condition, step = parts
     if first and condition and not step:
         return re.fullmatch(r"\w+-- > 0", condition) is not None
-    return bool(first and condition and any(STEPS.match(each.strip()) for each in parts_of(step.replace(",", ";"))))
+    if not first or not condition:
+        return False
+    # One that counts has to be asked about.
+    steps = [STEP.match(each) for each in parts_of(step.replace(",", ";"))]
+    return any(one and one[0] != one[1] and re.search(rf"(?<![\w.]){re.escape(one[1])}(?!\w)", condition) for one in steps)
+
+
+def ends_do(code, place):
+    """Whether the `while` at a place belongs to a `do`."""
+    before = code[:place].rstrip()
+    if not before.endswith("}"):
+        return False
+    depth = 0
+    for i in range(len(before) - 1, -1, -1):
+        depth += (before[i] == "}") - (before[i] == "{")
+        if depth == 0:
+            return re.search(r"\bdo\s*$", before[:i]) is not None
+    return False
 
 
 def silent_loops(text):
@@ -62,8 +79,7 @@ def silent_loops(text):
     for found in LOOP.finditer(code):
         if found[1] == "for" and counts(header_at(code, found.end())):
             continue
-        # The end of do ... while.
-        if found[1] == "while" and re.search(r"\}\s*$", code[:found.start()]) and re.match(r"\s*;", code[found.end() + len(header_at(code, found.end())) + 3:]):
+        if found[1] == "while" and ends_do(code, found.start()):
             continue
         number = code.count("\n", 0, found.start())
         above = number

@@ -17,10 +17,13 @@ FUNCTION = re.compile(r"^([0-9a-f]+) <(.+)>:$")
 CALL = re.compile(r"\t(?:\w+ )*(call|jmp|j\w+) +[0-9a-f]+ <([^+>]+(?:\([^>]*\))?.*?)(\+0x[0-9a-f]+)?>$")
 ANY_CALL = re.compile(r"\t(?:[\w.]+ )*call\b")
 DOWN = re.compile(r"\t(?:(sub|add) +\$0x([0-9a-f]+),%rsp|lea +-0x([0-9a-f]+)\(%rsp\),%rsp)$")
-DOWN_BY_REGISTER = re.compile(r"\tsub +%r\w+,%rsp$")
+ALIGNED = re.compile(r"\tand +\$0x([0-9a-f]+),%rsp$")
+# Other ways to move the stack pointer; back from the frame pointer is none.
+MOVED = re.compile(r"\t(?:sub|add|mov|lea|xchg|and) +(?=[^ $]).*,%rsp$")
+BACK = re.compile(r"\t(?:lea +-?0x[0-9a-f]+\(%r(?:bp|sp|10)\)|mov +%rbp),%rsp$")
 BY_POINTER = re.compile(r"\t(?:call|(?:notrack )?jmp) +\*")
 # A switch jumps by a table: it loads how far from the table, and adds where that is.
-LOADED, ADDED = re.compile(r"\tmovslq \(.*,4\),(%r\w+)$"), re.compile(r"\tadd +%r\w+,(%r\w+)$")
+LOADED, ADDED = re.compile(r"\tmovslq \((%r\w+),%r\w+,4\),(%r\w+)$"), re.compile(r"\tadd +(%r\w+),(%r\w+)$")
 
 # Kernels of Eigen that take memory where they are given none. Matrices here have a largest size, and bring theirs with them
 # (gemm_blocking_space of Eigen/src/Core/products/GeneralMatrixMatrix.h).
@@ -33,10 +36,13 @@ class Function:
         self.by_pointer = self.calls_itself = self.variable_frame = self.unclear = False
 
 
-def is_switch(lines, register):
-    """Whether the instructions before a jump to a register load and add up a place of a table."""
-    added, loaded = (ADDED.search(lines[-1]), any(LOADED.search(line) for line in lines)) if lines else (None, False)
-    return bool(added and loaded and added[1] == register)
+def is_switch(lines, jump):
+    """Whether a jump to a register goes where the instructions before have loaded and added up a place of a table."""
+    added = ADDED.search(lines[-1]) if lines else None
+    loaded = next((found for line in reversed(lines) if (found := LOADED.search(line))), None)
+    if not added or not loaded or "call" in jump or added[2] != jump.rpartition("*")[2]:
+        return False
+    return {added[1], added[2]} == {loaded[1], loaded[2]}
 
 
 def read(path):
@@ -62,14 +68,17 @@ def read(path):
             size = int(down[2] or down[3], 16)
             size -= 2**64 if size >= 2**63 else 0
             here.frame += max(0, -size if down[1] == "add" else size)
-        here.variable_frame = here.variable_frame or bool(DOWN_BY_REGISTER.search(line))
+        aligned = ALIGNED.search(line)
+        here.frame += 2**64 - int(aligned[1], 16) if aligned else 0
+        here.variable_frame = here.variable_frame or bool(MOVED.search(line) and not BACK.search(line) and not aligned)
         call, by_pointer = CALL.search(line), BY_POINTER.search(line)
-        if call and (call[3] is None or call[2].endswith(".cold")):
-            here.calls_itself = here.calls_itself or (call[1] == "call" and call[2] == name)
-            here.calls.add(call[2])
-        elif ANY_CALL.search(line) and not by_pointer:
-            here.unclear = True
-        if by_pointer and not is_switch(before, line.rpartition("*")[2]):
+        called = call[2].partition("@@")[0] if call else None  # without its version
+        if call and (call[3] is None or called.endswith(".cold")):
+            here.calls_itself = here.calls_itself or (call[1] == "call" and called == name)
+            here.calls.add(called)
+        elif not by_pointer and (called != name.removesuffix(".cold") if call else ANY_CALL.search(line)):
+            here.unclear = True  # into the middle of another one, or in a form unknown here
+        if by_pointer and not is_switch(before, line):
             here.by_pointer = True
         before = [*before[-6:], line]
     for name, function in list(functions.items()):

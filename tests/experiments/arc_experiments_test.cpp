@@ -390,6 +390,17 @@ TEST(SimulatedArcs, JumpWhenAGateIsSeenAgain) {
 
 // A pilot that knows everything ends 0.28 m ahead all the same: 3° early, and its nose is late. In
 // five arcs of the quick run; without the recorded takes, which it says.
+TEST(SimulatedArcs, OfOursAreBlindFromTheGateToTheEndOfTheTurnAndStayNearThePlan) {
+  const SimulatedArcs flown = simulated_arcs(
+      {.level = "race", .config = "default", .flights = 2, .laps = 2, .first_seed = 2201}, {});
+  ASSERT_EQ(flown.off_plan.size(), 2u * 3u) << "one behind each gate but the last";
+  double largest = 0.0;
+  for (const Eigen::Vector2d& off : flown.off_plan) largest = std::max(largest, off.norm());
+  EXPECT_LT(largest, 0.8);
+  EXPECT_GT(largest, 0.15) << "blind for so long it drifts";
+  for (const double seconds : flown.blind) EXPECT_NEAR(seconds, 2.5, 0.4);
+}
+
 TEST(ArcAccuracy, ALawWithoutErrorsIsLateByTheAttitudeLoopAlone) {
   const fs::path empty = fs::temp_directory_path() / "gatefly_no_takes";
   fs::create_directories(empty);

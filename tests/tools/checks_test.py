@@ -116,6 +116,12 @@ class Calls(unittest.TestCase):
         cases = "".join(f"case {i}: return work({i * i + 7}) * {i + 2};" for i in range(12))
         self.assertEqual(self.wrong_in(SOME_WORK + 'extern "C" int step(int n) { switch (n) { ' + cases + " } return 0; }\n"), [])
 
+    def test_a_jump_is_that_of_a_switch_only_with_its_table(self):
+        loaded, added = "  1:\tmovslq (%rdx,%rax,4),%rax", "  2:\tadd    %rdx,%rax"
+        self.assertTrue(check_stack.is_switch([loaded, added], "  3:\tnotrack jmp *%rax"))
+        for lines, jump in (([added], "  3:\tjmp    *%rax"), ([loaded, added], "  3:\tjmp    *%rcx"), ([loaded, added], "  3:\tcall   *%rax"), ([loaded, "  2:\tadd    %rsi,%rax"], "  3:\tjmp    *%rax")):
+            self.assertFalse(check_stack.is_switch(lines, jump), (lines, jump))
+
     def test_versions_for_several_processors_are_looked_into(self):
         code = ('volatile char* p;\n[[gnu::target_clones("avx2", "default"), gnu::noinline]] static void below(int n) { p = static_cast<char*>(std::malloc(n)); }\n'
                 'extern "C" void step(int n) { below(n); }\n')
@@ -159,6 +165,15 @@ class Stack(unittest.TestCase):
             self.assertEqual(exit_code, 1, said)
             self.assertIn("recursion: step", said)
 
+    def test_a_call_by_pointer_is_refused_and_what_matches_a_pattern_is_left_out(self):
+        code = '[[gnu::noinline]] static int by_paper(int (*f)(int)) { volatile char room[9000]; room[1] = 1; return f(3) + room[1]; }\nextern "C" int step(int (*f)(int)) { return by_paper(f) + work(2); }\n'
+        exit_code, said = self.said_of(code, 20000)
+        self.assertEqual(exit_code, 1)
+        self.assertIn("by pointer: by_paper", said)
+        with tempfile.TemporaryDirectory() as name:
+            exit_code, said = run("check_stack.py", library_of(pathlib.Path(name), SOME_WORK + code), "step", "4096", "paper")
+        self.assertEqual(exit_code, 0, said)
+
     def test_a_frame_of_variable_size_is_refused(self):
         exit_code, said = self.said_of('extern "C" int step(int n) { volatile char* room = static_cast<volatile char*>(__builtin_alloca(n)); room[0] = 1; return work(room[n / 2]); }\n')
         self.assertEqual(exit_code, 1)
@@ -176,10 +191,11 @@ class Loops(unittest.TestCase):
     def test_a_loop_that_does_not_count_and_does_not_say_how_often_is_named(self):
         for loop in ("  while (n > 0) n /= 2;", "  do {\n    n /= 2;\n  } while (n > 0);", "  for (; n > 0; n /= 2) {}", "  for (;;) {}", "  for (int i = 0; i < n;) i += 2;",
                      "  for (double step = 1.0;; step *= 0.5) {}", "  for (int i = 9 - n; i < n - 1;) i += 2;", "  for (int i = first(n); i < n; i = next(i)) {}",
-                     "  for (auto p = list.begin(); p != list.end();\n       p = next(p)) {}", "again:\n  if (n > 0) goto again;"):
+                     "  for (auto p = list.begin(); p != list.end();\n       p = next(p)) {}", "again:\n  if (n > 0) goto again;", "  for (double x = 0; x < n; x += dx) {}",
+                     "  for (Node* p = head; p; ++count, p = p->next) {}", "  for (int i = 0; true; ++i) {}", "  if (n > 9) {\n  }\n  while (n > 0);"):
             code, said = self.said_of(loop)
             self.assertEqual(code, 1, loop)
-            self.assertRegex(said, r"src/flight/loop.cpp:[23]:")
+            self.assertRegex(said, r"src/flight/loop.cpp:[234]:")
 
     def test_a_loop_that_counts_or_says_how_often_passes(self):
         for loop in ("  for (int i = 0; i < n; ++i) {}", "  for (int i = n; i-- > 0;) {}", "  // At most 31 times.\n  while (n > 0) n /= 2;", "  while (n > 0) n /= 2;  // at most 31 times",

@@ -67,6 +67,7 @@ ChromaTone tone_of(const Image& image, const ColorModel& model) {
     const int part = std::min(static_cast<int>(kParts * std::abs(along)), kLevels - 1);
     ++contrasts[static_cast<std::size_t>(part)], ++pairs;
   };
+  // At most once a row and a column: the grid is a pixel at least.
   for (int v = grid / 2; v < image.height(); v += grid)
     for (int u = grid / 2; u < image.width(); u += grid) {
       const Yuv c = image.at(u, v);

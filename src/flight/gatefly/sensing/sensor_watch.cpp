@@ -51,6 +51,7 @@ std::uint64_t fingerprint_of(const Image& image) {
   const std::size_t step = (bytes.size() / kPieces / kAligned + 1) * kAligned;
   std::uint64_t hash = kBasis, first = 0;
   bool differs = false;
+  // At most kPieces times.
   for (std::size_t i = 0; i + sizeof first <= bytes.size(); i += step) {
     std::uint64_t piece = 0;
     std::memcpy(&piece, bytes.data() + i, sizeof piece);

@@ -88,13 +88,11 @@ class PlannedTurn {
   [[nodiscard]] bool is_over() const {
     return std::abs(wrap_angle(here_.heading - gates_[next_].yaw_EG)) < 1.0 * kDegree;
   }
-  /// See SimulatedArcs::off_plan: what the map has wrong about the gate before is not in it.
-  [[nodiscard]] Eigen::Vector2d off_plan(const world::World& world,
-                                         const Eigen::Vector3d& p_EB) const {
-    const MapGate& map = gates_[before_];
-    const Eigen::Vector3d from_gate_E{here_.position.x() - map.p_EG.x(),
-                                      here_.position.y() - map.p_EG.y(), 0.0};
-    return beside(world.gates[before_], p_EB) - (rotation_z(-map.yaw_EG) * from_gate_E).head<2>();
+  /// From where the plan has it to a place, as seen from the gate before: ahead, right [m].
+  [[nodiscard]] Eigen::Vector2d off_plan(const Eigen::Vector2d& p_E) const {
+    const Eigen::Vector2d off_E = p_E - here_.position;
+    return (rotation_z(-gates_[before_].yaw_EG) * Eigen::Vector3d{off_E.x(), off_E.y(), 0.0})
+        .head<2>();
   }
 
  private:
@@ -110,6 +108,7 @@ ArcFlight flown(simulated_race::RaceConfig race, bool hides_gates, const Options
   // From a gate to the end of the planned turn behind it.
   int gates_passed = 0;
   std::optional<double> turns_since;
+  Eigen::Vector2d error_at_gate = Eigen::Vector2d::Zero();
   // The paper's pilot does not look while it turns; ours is shown nothing.
   if (hides_gates)
     race.sensors = [&](Sensors& sensors) {
@@ -144,12 +143,15 @@ ArcFlight flown(simulated_race::RaceConfig race, bool hides_gates, const Options
           target == turn.to_gate)
         turn.error_after = error;
     }
-    if (tick.pilot.estimate().gates_passed != gates_passed)
+    const Eigen::Vector2d p_E = tick.truth.p_EB.head<2>();
+    if (tick.pilot.estimate().gates_passed != gates_passed) {
       gates_passed = tick.pilot.estimate().gates_passed, turns_since = t;
+      error_at_gate = p_E - tick.pilot.estimate().p_EB.head<2>();
+    }
     if (turns_since && !tick.pilot.finished()) {
       const PlannedTurn turn{tick.pilot, race};
       if (turn.is_over()) {
-        flight.off_plan.push_back(turn.off_plan(race.sim.world, tick.truth.p_EB));
+        flight.off_plan.push_back(turn.off_plan(p_E - error_at_gate));
         flight.blind.push_back(t - *turns_since);
         turns_since.reset();
       }

@@ -33,7 +33,8 @@ struct SimulatedArcs {
   std::vector<LeftOut> left_out;
   std::map<std::string, int> ends;  ///< How many flights ended how.
   /// Where the drone is, less where the plan has it, when the pilot believes itself at the end of the
-  /// planned turn; both from the gate before: ahead, right [m].
+  /// planned turn, and without the error that its place had at the gate before; as seen from that gate:
+  /// ahead, right [m].
   std::vector<Eigen::Vector2d> off_plan;
   std::vector<double> blind;  ///< So long it had been since that gate [s].
 };

@@ -27,6 +27,7 @@ Bar joined(const Bar& a, const Bar& b, int stride) {
   Eigen::Matrix3d A = Eigen::Matrix3d::Zero();
   Eigen::Vector3d x = Eigen::Vector3d::Zero();
   for (const Bar* piece : {&a, &b})
+    // At most once a row: a stride is one at least.
     for (double y = piece->top; y <= piece->bottom; y += stride) {
       const double t = (y - middle) / half;
       const Eigen::Vector3d powers{1.0, t, t * t};
