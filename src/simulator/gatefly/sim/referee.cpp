@@ -14,8 +14,7 @@ Referee::Referee(const world::World& world, const world::VehicleTruth& vehicle, 
 }
 
 Eigen::Vector3d Referee::in_gate(const Eigen::Vector3d& p_E) const {
-  const world::WorldGate& gate =
-      world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
+  const world::WorldGate& gate = world_.gates[static_cast<std::size_t>(next())];
   return rotation_z(-gate.yaw_EG) * (p_E - gate.p_EG);
 }
 
@@ -27,8 +26,7 @@ void Referee::forget() {
 
 std::optional<GatePass> Referee::update(const BodyState& state, double time) {
   if (finished() || world_.gates.empty()) return std::nullopt;
-  const world::WorldGate& gate =
-      world_.gates[static_cast<std::size_t>(passed_) % world_.gates.size()];
+  const world::WorldGate& gate = world_.gates[static_cast<std::size_t>(next())];
   if (gate.missing) return std::nullopt;
   const double half_opening = 0.5 * gate.side - gate.bar;
   const Eigen::Matrix3d R_EB = R_EB_of(state.q_EB);
@@ -49,9 +47,7 @@ std::optional<GatePass> Referee::update(const BodyState& state, double time) {
       if (forwards) {
         const double t = before.x() / (before.x() - now.x());
         const Eigen::Vector3d at = before + t * (now - before);
-        centre_ = GatePass{passed_ % static_cast<int>(world_.gates.size()),
-                           last_time_ + t * (time - last_time_),
-                           {at.y(), at.z()}};
+        centre_ = GatePass{next(), last_time_ + t * (time - last_time_), {at.y(), at.z()}};
       }
       continue;
     }

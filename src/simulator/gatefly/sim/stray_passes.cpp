@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gatefly/geometry/attitude.hpp"
+
 namespace gatefly::sim {
 namespace {
 
@@ -11,16 +13,16 @@ enum class Crossing { kNone, kForwards, kBackwards };
 
 Crossing crossing(const world::WorldGate& gate, const Eigen::Vector3d& before_E,
                   const Eigen::Vector3d& now_E) {
-  if (gate.missing) return Crossing::kNone;
-  const Eigen::Vector3d ahead_E{std::cos(gate.yaw_EG), std::sin(gate.yaw_EG), 0.0};
-  const double before = ahead_E.dot(before_E - gate.p_EG), now = ahead_E.dot(now_E - gate.p_EG);
-  if ((before < 0.0) == (now < 0.0)) return Crossing::kNone;
-  const Eigen::Vector3d from_middle =
-      before_E + before / (before - now) * (now_E - before_E) - gate.p_EG;
-  const double aside = std::abs(ahead_E.x() * from_middle.y() - ahead_E.y() * from_middle.x());
-  if (std::max(aside, std::abs(from_middle.z())) >= 0.5 * gate.side - gate.bar)
+  // Seldom is one near.
+  if (gate.missing || (now_E - gate.p_EG).squaredNorm() > gate.side * gate.side)
     return Crossing::kNone;
-  return now >= 0.0 ? Crossing::kForwards : Crossing::kBackwards;
+  const Eigen::Matrix3d R_GE = rotation_z(-gate.yaw_EG);
+  const Eigen::Vector3d before = R_GE * (before_E - gate.p_EG), now = R_GE * (now_E - gate.p_EG);
+  if ((before.x() < 0.0) == (now.x() < 0.0)) return Crossing::kNone;
+  const Eigen::Vector3d at = before + before.x() / (before.x() - now.x()) * (now - before);
+  if (std::max(std::abs(at.y()), std::abs(at.z())) >= 0.5 * gate.side - gate.bar)
+    return Crossing::kNone;
+  return now.x() >= 0.0 ? Crossing::kForwards : Crossing::kBackwards;
 }
 
 }  // namespace

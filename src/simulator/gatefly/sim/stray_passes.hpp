@@ -19,6 +19,7 @@ class StrayPasses {
  public:
   explicit StrayPasses(const world::World& world) : world_{world} {}
 
+  /// To be told of every step of the physics.
   /// @param p_EB  centre of mass, earth frame [m]. @param next  index of the gate to fly next.
   void update(const Eigen::Vector3d& p_EB, int next);
 
