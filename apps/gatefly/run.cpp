@@ -364,7 +364,8 @@ int run(const RunOptions& options) {
                                            .stored_height = size.height,
                                            .navigation_imu = course.pilot.filter_imu_hz > 0,
                                            .raw_frames = !film,
-                                           .lifted = true});
+                                           .lifted = true,
+                                           .picture_late = true});
   for (const auto& [name, content] : tasks::flight_inputs(
            options.common, course.config, course.track_file, course.pilot.track.laps))
     recorder.add_file(name, content);

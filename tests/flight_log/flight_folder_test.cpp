@@ -133,6 +133,27 @@ TEST_F(Recording, AnAutopilotsImuIsKeptWhereItArrived) {
   EXPECT_FALSE(ticks[1].sensors.navigation_imu.has_value());
 }
 
+TEST_F(Recording, HowLateAPictureWasIsKeptAndReplayed) {
+  const std::vector<std::uint8_t> frame{1, 2, 3, 4};
+  FlightRecorder recorder(folder_.path() / "flight", {.picture_late = true});
+  const double late = 0.012345678;
+  for (int row = 0; row < 4; ++row) {
+    Sensors sensors{.time = std::chrono::nanoseconds{1'953'125LL * row}, .imu = {}};
+    sensors.imu.accel_B = {0, 0, -9.81};
+    if (row == 2) sensors.picture_late = late;
+    recorder.record({.sensors = sensors,
+                     .command = {},
+                     .pilot = pilot_,
+                     .truth = {},
+                     .frame = row == 2 ? std::span{frame} : std::span<const std::uint8_t>{}});
+  }
+  recorder.finish("{}");
+  const FlightFolder flight = read_flight_folder(folder_.path() / "flight");
+  ASSERT_EQ(flight.images.size(), 1u);
+  EXPECT_EQ(flight.images[0].late, std::chrono::nanoseconds{12'345'678});
+  EXPECT_EQ(ticks_of(flight).at(2).sensors.picture_late, late);
+}
+
 TEST_F(Recording, WithoutAnAutopilotsImuTheLogHasNoColumnsForIt) {
   FlightRecorder recorder(folder_.path() / "flight");
   record(recorder, 0);

@@ -379,6 +379,49 @@ TEST(Pilot, RepeatedAndOlderStampsLetNoTimePass) {
   EXPECT_EQ(pilot.abort_reason(), AbortReason::kSensorsLost) << "a clock that stands";
 }
 
+// A picture that is late by its stamp is one of a camera that is so much slower, and no other.
+TEST(Pilot, TakesALatePictureForAsOldAsItIs) {
+  constexpr double kLate = 0.05, kUsual = 0.044;
+  PilotConfig usual = config(), slower = config();
+  usual.track.gates[0].p_EG = slower.track.gates[0].p_EG = {3.5, 0, -1.5};
+  usual.camera_timing.latency = kUsual, slower.camera_timing.latency = kUsual + kLate;
+  Pilot late{usual}, slow{slower}, unaware{usual};
+  int tick = 0;
+  for (Pilot* const pilot : {&late, &slow, &unaware}) tick = climb(*pilot, take_off(*pilot));
+  Canvas canvas{316, 160};
+  canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, usual.camera);
+  const auto bytes = canvas.uyvy();
+  for (int i = 0; i < 60; ++i, ++tick) {  // it turns, so that the age of a picture matters
+    Sensors s = sensed_at(tick, {Vector3d{0.0, 0.0, 0.8}, Vector3d{0, 0, -9.81}});
+    if (i == 59) s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+    (void)slow.step(s), (void)unaware.step(s);
+    s.picture_late = kLate;
+    (void)late.step(s);
+  }
+  ASSERT_NE(late.sighting().source, Sighting::Source::kNone);
+  EXPECT_EQ(late.estimate().p_EB, slow.estimate().p_EB);
+  EXPECT_EQ(late.sighting().nis, slow.sighting().nis);
+  EXPECT_NE(late.estimate().p_EB, unaware.estimate().p_EB);
+}
+
+TEST(Pilot, ALatenessThatIsNoneCountsAsNone) {
+  Canvas canvas{316, 160};
+  canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, bebop_rig());
+  const auto bytes = canvas.uyvy();
+  Vector3d without = Vector3d::Zero();
+  for (const double late : {0.0, -0.05, kNan}) {
+    PilotConfig c = config();
+    c.track.gates[0].p_EG = {3.5, 0, -1.5};
+    Pilot pilot{c};
+    Sensors s = sensed_at(climb(pilot, take_off(pilot)), still());
+    s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+    s.picture_late = late;
+    (void)pilot.step(s);
+    if (late == 0.0) without = pilot.estimate().p_EB;
+    EXPECT_EQ(pilot.estimate().p_EB, without) << late;
+  }
+}
+
 // The drone stands 3.5 m before the gate, where its map says: the picture confirms it and the fix
 // is taken.
 TEST(Pilot, TakesAFixFromAGateInView) {

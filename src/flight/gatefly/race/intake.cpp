@@ -72,6 +72,7 @@ void Intake::take_picture() {
     interval_ += (time_ - picture_at_ - interval_) / intervals_;
   }
   has_picture_ = true, picture_at_ = time_;
+  if (!(taken_.picture_late > 0.0)) taken_.picture_late = 0.0;
   const std::uint64_t picture =
       taken_.seen ? fingerprint_of(*taken_.seen) : gatefly::fingerprint_of(*taken_.image);
   if (picture != 0 && picture == picture_) {

@@ -113,8 +113,8 @@ bool Lookout::convincing(const std::optional<Candidate>& candidate) const {
 // The moment at which a column of the picture was exposed.
 const Navigator::Past* Lookout::past_of(double u_px, const View& view) const {
   const double across = std::clamp(u_px / image_width_ - 0.5, -0.5, 0.5);
-  return view.navigator.at(view.navigator.time() - params_.timing.latency +
-                           across * params_.timing.readout);
+  const double age = params_.timing.latency + view.sensors.picture_late;
+  return view.navigator.at(view.navigator.time() - age + across * params_.timing.readout);
 }
 
 // The frame that fits best to where the gate should be.

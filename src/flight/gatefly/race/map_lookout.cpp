@@ -49,7 +49,7 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   const bool expected = sighting_.expected;  // by the last picture that was looked at
   sighting_ = {};
   sighting_.expected = expected;
-  arrivals_.arrived(navigator.time());
+  arrivals_.arrived(navigator.time() - sensors.picture_late);
   if (!sensors.seen && sensors.image->empty()) return;
   if (!looking || navigator.error_state() == nullptr) return;
   monitor_.looked(navigator.time());
@@ -57,13 +57,15 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
   const Eigen::Vector2d size =
       sensors.seen ? Eigen::Vector2d{sensors.seen->image_width, sensors.seen->image_height}
                    : Eigen::Vector2d{sensors.image->width(), sensors.image->height()};
-  const View view{sensors,
-                  course,
-                  navigator,
-                  {params_.camera, params_.timing, navigator.time(), size, arrivals_.sigma(),
-                   arrivals_.interval()}};
+  CameraTiming timing = params_.timing;
+  timing.latency += sensors.picture_late;
+  const View view{
+      sensors,
+      course,
+      navigator,
+      {params_.camera, timing, navigator.time(), size, arrivals_.sigma(), arrivals_.interval()}};
   size_px_ = size;
-  const double ago = params_.timing.latency - navigator.error_state()->now().delay;
+  const double ago = timing.latency - navigator.error_state()->now().delay;
   const Attention::Known known{.since_any = navigator.time() - last_any_,
                                .since_target = navigator.since_fix(),
                                .waits = std::exchange(pending_.waits, false)};
@@ -174,7 +176,7 @@ void MapLookout::note_stray(const GateDetection& gate, const View& view) {
   const eskf::ErrorStateFilter& filter = *navigator.error_state();
   const std::size_t target = filter_target(navigator);
   if (stray_.was_recognised(target) || !stray_.expects_target(filter, params_.camera.p_BC)) return;
-  const double ago = params_.timing.latency - filter.now().delay;
+  const double ago = view.picture.timing.latency - filter.now().delay;
   const auto place =
       place_of(gate.corners_px, view.course.gate().side, filter, ago, params_.camera, params_.pose);
   if (!place) return;
@@ -273,7 +275,7 @@ bool MapLookout::take_part(const View& view, std::optional<eskf::GateSight> sigh
 void MapLookout::describe_fix(const GateDetection& gate, const View& view) {
   const eskf::ErrorStateFilter& filter = *view.navigator.error_state();
   const eskf::Nominal& x = filter.now();
-  const double ago = params_.timing.latency - x.delay;
+  const double ago = view.picture.timing.latency - x.delay;
   const Eigen::Matrix3d R_GE = rotation_z(-filter.target_yaw());
   PoseParams pose = params_.pose;
   const double tilt = view.navigator.tilt_sigma(), map_yaw = params_.gate_yaw_sigma;

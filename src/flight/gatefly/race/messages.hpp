@@ -40,6 +40,8 @@ struct Sensors {
   /// Arrived now, exposed `latency` ago; read in this call only.
   std::optional<Image> image = std::nullopt;
   std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
+  /// Either came so much later than `latency` says, as the picture's stamp tells [s]; 0: it has none.
+  double picture_late = 0.0;
   /// Another pilot flies, as in the replay of a log: this one's commands do not reach the rotors ...
   bool looks_on = false;
   bool lifted = false;  ///< ... that one has taken off: the rest is over ...

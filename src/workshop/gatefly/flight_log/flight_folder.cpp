@@ -203,6 +203,13 @@ bool has_nothing(const std::filesystem::path& file) {
   return error || size == 0;
 }
 
+nanoseconds late_of(const files::Csv& csv, std::size_t row, double late_ns) {
+  constexpr double kMost = 1e9;  // a second: whoever writes more has mistaken the unit or the clock
+  if (!(late_ns >= 0.0 && late_ns <= kMost))
+    throw std::runtime_error(csv.place(row, kLateColumn) + ": must be within 0 and 1000000000");
+  return nanoseconds{std::llround(late_ns)};
+}
+
 std::vector<FlightImage> read_images(const std::filesystem::path& directory,
                                      const std::vector<FlightSample>& samples) {
   const std::size_t log_rows = samples.size();
@@ -214,6 +221,8 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
   const auto hashes =
       csv.has("xxh64") ? csv.texts("xxh64") : std::vector<std::string>(names.size());
   const NextGate next_gate(csv);
+  const auto late =
+      csv.has(kLateColumn) ? csv.numbers(kLateColumn) : std::vector<double>(names.size());
 
   std::vector<FlightImage> images;
   std::set<std::string> known;
@@ -238,6 +247,7 @@ std::vector<FlightImage> read_images(const std::filesystem::path& directory,
     images.push_back({.path = directory / name,
                       .time = times[i],
                       .log_row = static_cast<std::size_t>(row),
+                      .late = late_of(csv, i, late[i]),
                       .xxh64 = hash,
                       .next_gate_px = next_gate.at(i)});
     if (i > 0 && images[i].log_row < images[i - 1].log_row)

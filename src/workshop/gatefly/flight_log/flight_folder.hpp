@@ -46,6 +46,8 @@ struct FlightImage {
   std::filesystem::path path;
   std::chrono::nanoseconds time{0};  ///< Arrival: the log row's time in our own flights.
   std::size_t log_row = 0;           ///< From 0: the sample in whose tick it arrives.
+  /// So much later than the camera's latency says it arrived, by its stamp; 0: unknown.
+  std::chrono::nanoseconds late{0};
   std::optional<std::uint64_t> xxh64 = std::nullopt;  ///< Hash of its bytes; our own flights.
   /// True corners of the next gate in it [px, upright], where it shows that gate whole and
   /// unhidden; our own flights.
@@ -72,6 +74,9 @@ inline constexpr std::array<const char*, 6> kNavigationImuColumns{
 
 /// Column of log_si.csv for FlightSample::lifted.
 inline constexpr const char* kLiftedColumn = "lifted";
+
+/// Column of images.csv for FlightImage::late [ns].
+inline constexpr const char* kLateColumn = "late_ns";
 
 /// A file in folders of `gatefly record`, which are read as far as they go: power goes when it likes.
 inline constexpr const char* kRecordingMark = "recording.json";

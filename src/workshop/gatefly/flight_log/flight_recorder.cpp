@@ -130,6 +130,7 @@ FlightRecorder::FlightRecorder(fs::path out, const Keep& keep)
   buffer_ += '\n';
   images_ << "image,t_s,log_row,t_ns,xxh64";
   for (const char* column : kNextGateColumns) images_ << ',' << column;
+  if (keep.picture_late) images_ << ',' << kLateColumn;
   images_ << '\n';
   detections_ << files::detections_header();
   check(keep.packed_log ? packed_log_.good() : log_.good(), "log_si.csv");
@@ -271,7 +272,9 @@ void FlightRecorder::record_frame(const RecordedRow& row) {
   // Decoders differ, so a hash of a decoded file would say nothing.
   const std::string hash = row.file.empty() ? files::text_of_xxh64(files::xxh64(row.frame)) : "";
   images_ << name << ',' << files::text_of(seconds(time)) << ',' << row_ << ',' << time.count()
-          << ',' << hash << corners_of(row.next_gate_px) << '\n';
+          << ',' << hash << corners_of(row.next_gate_px);
+  if (keep_.picture_late) images_ << ',' << std::llround(1e9 * row.sensors.picture_late);
+  images_ << '\n';
   check(images_.good(), "images.csv");
 
   int rank = 0;

@@ -32,6 +32,7 @@ struct Keep {
   bool navigation_imu = false;  ///< The log has columns for what the estimator got beside.
   bool raw_frames = false;      ///< Frames in a file each, as they are: without ffmpeg.
   bool lifted = false;          ///< The log has a column for Sensors::lifted.
+  bool picture_late = false;    ///< images.csv has a column for Sensors::picture_late.
 };
 
 /// A tick as it is recorded, whoever flew it. What nobody knows is an empty cell.

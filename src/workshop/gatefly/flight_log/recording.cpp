@@ -12,6 +12,7 @@
 #include "gatefly/files/video_reader.hpp"
 #include "gatefly/files/xxh64.hpp"
 #include "gatefly/geometry/attitude.hpp"
+#include "gatefly/geometry/seconds.hpp"
 
 namespace gatefly::flight_log {
 namespace {
@@ -106,6 +107,7 @@ std::vector<RecordedTick> ticks_of(const FlightFolder& folder) {
                                   std::to_string(image.log_row) + " of a log of " +
                                   std::to_string(ticks.size()));
     ticks[image.log_row].picture = i;
+    ticks[image.log_row].sensors.picture_late = seconds(image.late);
   }
   return ticks;
 }

@@ -37,6 +37,7 @@ Camera::Got FolderCamera::next(Picture& picture, Moment deadline) {
   }
   picture.format = file.format;
   picture.stored_width = file.stored_width, picture.stored_height = file.stored_height;
+  picture.late = folder_.images[next_].late;
   picture.number = next_++;
   return Got::kPicture;
 }

@@ -18,6 +18,8 @@ struct Picture {
   PixelFormat format = PixelFormat::kUyvy;
   int stored_width = 0, stored_height = 0;  ///< [px]
   std::chrono::nanoseconds arrived{0};
+  /// So much later than the quickest of late, by its stamp; 0: it has none.
+  std::chrono::nanoseconds late{0};
   std::size_t number = 0;  ///< From 0; of a recorded one its place in the recording.
 
   [[nodiscard]] Image view(int rotation_deg) const {

@@ -5,6 +5,8 @@
 #include <limits>
 #include <utility>
 
+#include "gatefly/geometry/seconds.hpp"
+
 namespace gatefly::live {
 namespace {
 
@@ -131,7 +133,10 @@ void PilotLoop::give_back(Picture* picture) {
 }
 
 void PilotLoop::step(Sensors& sensors, Picture* picture, FlownTick& tick, nanoseconds now) {
-  if (picture != nullptr) sensors.image = picture->view(plan_.rotation_deg);
+  if (picture != nullptr) {
+    sensors.image = picture->view(plan_.rotation_deg);
+    sensors.picture_late = seconds(picture->late);
+  }
   const Moment before = Clock::now();
   last_ = pilot_.step(sensors);
   tick.took = Clock::now() - before;

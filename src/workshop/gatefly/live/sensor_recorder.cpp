@@ -58,7 +58,7 @@ SensorRecorder::SensorRecorder(std::filesystem::path folder, const Params& param
   for (const auto& [name, content] : files) write_whole(folder_ / name, content);
   write_whole(folder_ / flight_log::kRecordingMark, "{\"kind\": \"record\"}\n");
   log_.add(header());
-  images_.add("image,t_ns,log_row,arrived_ns\n");
+  images_.add("image,t_ns,log_row,arrived_ns,late_ns\n");
 }
 
 void SensorRecorder::tick(nanoseconds time, const HeardState* heard, const Picture* picture) {
@@ -115,7 +115,8 @@ void SensorRecorder::keep(nanoseconds time, const Picture& picture) {
                 std::string_view{files::recorded_jpeg(picture.view(0), files::Recording::kJpeg)});
   }
   images_.add(std::string{name.data()} + "," + std::to_string(time.count()) + "," +
-              std::to_string(rows_ - 1) + "," + std::to_string(picture.arrived.count()) + "\n");
+              std::to_string(rows_ - 1) + "," + std::to_string(picture.arrived.count()) + "," +
+              std::to_string(picture.late.count()) + "\n");
   ++pictures_;
 }
 

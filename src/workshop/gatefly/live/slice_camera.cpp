@@ -34,6 +34,7 @@ Camera::Got SliceCamera::next(Picture& picture, Moment deadline) {
                                " x " + std::to_string(file.stored_height) +
                                ", the camera's as stored " + std::to_string(size_.width) + " x " +
                                std::to_string(size_.height) + " (camera.size_px)");
+    picture.late = stamps_.late(Clock::now().time_since_epoch(), whole->sim_time);
     picture.pixels.assign(file.bytes.begin(), file.bytes.end());
     picture.file.assign(whole->jpeg.begin(), whole->jpeg.end());
     picture.ending = ".jpg";

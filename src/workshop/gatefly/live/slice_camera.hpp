@@ -7,6 +7,7 @@
 #include "gatefly/link/jpeg_slices.hpp"
 #include "gatefly/live/camera.hpp"
 #include "gatefly/live/port.hpp"
+#include "gatefly/live/stamped_arrivals.hpp"
 
 namespace gatefly::live {
 
@@ -20,6 +21,7 @@ class SliceCamera : public Camera {
   Port port_;
   StoredSize size_;
   jpeg_slices::Assembler assembler_;
+  StampedArrivals stamps_;
   std::vector<std::uint8_t> room_;
   std::size_t count_ = 0;
   std::uint64_t begun_ = 0;

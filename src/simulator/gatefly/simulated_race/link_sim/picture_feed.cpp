@@ -68,7 +68,7 @@ void PictureFeed::remember(const sim::BodyPose& pose, live::Moment start) {
   const auto due = std::chrono::duration<double>(began + span_ + truth.camera_latency + jitter);
   {
     const std::lock_guard lock{mutex_};
-    if (busy_ || next_) {
+    if (next_) {
       ++left_out_;
       return;
     }
@@ -86,12 +86,10 @@ void PictureFeed::work() {
     Exposure exposure;
     {
       std::unique_lock lock{mutex_};
-      busy_ = false;
       wake_.wait(lock, [this] { return over_ || next_; });
       if (over_) return;
       exposure = std::move(*next_);
       next_.reset();
-      busy_ = true;
     }
     Rendered picture = picture_of(exposure);
     const std::lock_guard lock{mutex_};

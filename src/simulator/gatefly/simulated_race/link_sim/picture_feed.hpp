@@ -24,7 +24,8 @@ namespace gatefly::link_sim {
 /// The camera of the drone: exposes at its rate, renders in a thread of its own, and sends each picture when it is due, as slices
 /// of a JPEG [TS-002].
 ///
-/// A picture whose time has come while the one before it is still being rendered is left out, and counted.
+/// While a picture is rendered the next one waits; one whose time comes even before that is left out, and counted. The slices' stamps are of the exposure,
+/// so that who receives them knows how late they are.
 class PictureFeed {
  public:
   /// @param while_baking  may throw to stop. @throws std::runtime_error as CameraRenderer does.
@@ -74,7 +75,7 @@ class PictureFeed {
   std::condition_variable wake_;
   std::optional<Exposure> next_;
   std::deque<Rendered> rendered_;  ///< Not yet sent.
-  bool busy_ = false, over_ = false, frozen_ = false;
+  bool over_ = false, frozen_ = false;
   std::atomic<long> sent_ = 0, left_out_ = 0, late_ = 0;
   std::thread thread_;
 };
