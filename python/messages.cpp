@@ -55,7 +55,10 @@ void bind_sensors(py::module_& m) {
           },
           "Its accelerometer [m/s^2]; None where none arrived.")
       .def_readonly("sonar", &Sensors::sonar, "Range along body z [m]; None where none arrived.")
-      .def_readonly("baro", &Sensors::baro, "Height above the pad [m]; None where none arrived.");
+      .def_readonly("baro", &Sensors::baro, "Height above the pad [m]; None where none arrived.")
+      .def_readonly("picture_late", &Sensors::picture_late,
+                    "So much later than the camera's latency says the picture came, by its stamp "
+                    "[s]; 0 also where it has none.");
 }
 
 void bind_estimate(py::module_& m) {

@@ -185,7 +185,7 @@ Learnt learn(const fs::path& folder, const IdentifyOptions& options) {
   constexpr std::size_t kLeastFixes = 10;
   if (result.findings && learnt.fixes >= kLeastFixes && !result.divergence) {
     // Wider than the filter's own by what 20 flights of known tilt were off by; an arrival that
-    // jitters only comes later, and its mean is not quite what is found.
+    // jitters only comes later: without stamps its mean is in what is found, and not quite.
     constexpr double kCenterDeg = 0.3, kJitterMs = 2.0;
     const eskf::Findings& found = *result.findings;
     learnt.tilt_deg = {learnt.told_tilt_deg + found.tilt.value / kDegree,

@@ -451,7 +451,8 @@ def spoofed(rng):
 
 
 FLOOD = """
-import os, socket, sys, time
+import os, signal, socket, sys, time
+signal.signal(signal.SIGTERM, signal.default_int_handler)
 to, rate, data = ("127.0.0.1", int(sys.argv[1])), float(sys.argv[2]), bytes.fromhex(sys.argv[3])
 line, sent, begin, parent = socket.socket(socket.AF_INET, socket.SOCK_DGRAM), 0, time.monotonic(), os.getppid()
 try:
@@ -469,7 +470,7 @@ def flooded(port, data, seconds):
     """@return datagrams a second that were sent there by a stranger."""
     with subprocess.Popen([sys.executable, "-c", FLOOD, str(port), "100000", data.hex()], stdout=subprocess.PIPE, text=True) as flood:
         time.sleep(seconds)
-        flood.send_signal(signal.SIGINT)
+        flood.terminate()
         return float(flood.communicate(timeout=5)[0])
 
 

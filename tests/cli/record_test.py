@@ -84,7 +84,7 @@ class Record(WithDrone):
         with open(self.flight() / "log_si.csv", "a", encoding="utf-8") as log:
             log.write("123,0.5")  # a line that was cut
         with open(self.flight() / "images.csv", "a", encoding="utf-8") as log:
-            log.write(f"img_99999.jpg,{10**12},999999,0\n")  # a picture that never came to the disk
+            log.write(f"img_99999.jpg,{10**12},999999,0,0\n")  # a picture that never came to the disk
         self.replayed()
         # The next one is another folder.
         self.start()

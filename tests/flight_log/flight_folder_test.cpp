@@ -307,6 +307,14 @@ TEST(FlightFolder, DamageIsNamedByFileAndLine) {
   EXPECT_THAT(error("1" + row, "a.jpg,1,1\n"), HasSubstr("images.csv:2: log_row"));
   EXPECT_THAT(error("1" + row, "a.jpg,1,0.5\n"), HasSubstr("images.csv:2: log_row"));
   EXPECT_THAT(error("1" + row, "../a.jpg,1,0\n"), HasSubstr("images.csv:2: image"));
+  const auto late = [&](const std::string& cell) {
+    (void)folder.file("log_si.csv", kRealHeader + ("1" + row));
+    (void)folder.file("images.csv", "image,t_s,log_row,late_ns\na.jpg,1,0," + cell + "\n");
+    return test::error_of([&] { (void)read_flight_folder(folder.path()); });
+  };
+  for (const char* const cell : {"-1", "2e9", "soon"})
+    EXPECT_THAT(late(cell), HasSubstr("images.csv:2")) << cell;
+  for (const char* const cell : {"", "0", "1000000000"}) EXPECT_EQ(late(cell), "") << cell;
   EXPECT_THAT(error("1" + row, "a.jpg,1.09,0\n"), "");
   EXPECT_THAT(error("1" + row, "a.jpg,1,0\na.jpg,1,0\n"),
               HasSubstr("images.csv:3: image = 'a.jpg', a second time"));

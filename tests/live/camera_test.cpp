@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -85,6 +86,29 @@ TEST(SliceCamera, APictureInSlicesIsDecodedAndKept) {
   ASSERT_EQ(camera.next(picture, Clock::now() + 1s), Camera::Got::kPicture);
   EXPECT_EQ(picture.stored_width, 160);
   EXPECT_EQ(picture.file, jpeg);
+  ::close(ends[1]);
+}
+
+TEST(SliceCamera, APictureThatIsHeldUpIsCalledLate) {
+  const std::string file = files::read_file(support::source_folder() / "tests" / "replay" /
+                                            "oval_flight" / "img_00016.jpg");
+  int ends[2] = {-1, -1};
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_DGRAM, 0, ends), 0);
+  SliceCamera camera{Port{ends[0], "slices"}, {160, 315}};
+  std::vector<std::uint8_t> room(60'000);
+  const std::vector<std::uint8_t> jpeg(file.begin(), file.end());
+  const Moment start = Clock::now();
+  constexpr std::chrono::nanoseconds kPeriod = 30ms, kHeldUp = 40ms;
+  Picture picture;
+  for (std::uint32_t i = 0; i < 80; ++i) {
+    const bool last = i == 79;
+    std::this_thread::sleep_until(start + i * kPeriod + (last ? kHeldUp : 0ms));
+    (void)jpeg_slices::each_slice(jpeg, i, 7h + i * kPeriod, room, [&](link::Bytes slice) {
+      (void)::write(ends[1], slice.data(), slice.size());
+    });
+    ASSERT_EQ(camera.next(picture, Clock::now() + 1s), Camera::Got::kPicture);
+  }
+  EXPECT_GE(picture.late, kHeldUp - 10ms);
   ::close(ends[1]);
 }
 

@@ -379,29 +379,46 @@ TEST(Pilot, RepeatedAndOlderStampsLetNoTimePass) {
   EXPECT_EQ(pilot.abort_reason(), AbortReason::kSensorsLost) << "a clock that stands";
 }
 
+// A pilot that has climbed, turned for a moment, and got pictures of the gate 3.5 m ahead meanwhile.
+Pilot after_a_turn(PilotConfig config, double late) {
+  config.track.gates[0].p_EG = {3.5, 0, -1.5};
+  Pilot pilot{config};
+  int tick = climb(pilot, take_off(pilot));
+  Canvas canvas{316, 160};
+  canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, config.camera);
+  auto bytes = canvas.uyvy();
+  for (int i = 0; i < 60; ++i, ++tick) {
+    Sensors s = sensed_at(tick, {Vector3d{0.0, 0.0, 0.2}, Vector3d{0, 0, -9.81}});
+    bytes[0] = static_cast<std::uint8_t>(i);  // no picture comes twice
+    if (i % 15 == 14) s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+    s.picture_late = late;
+    (void)pilot.step(s);
+  }
+  return pilot;
+}
+
 // A picture that is late by its stamp is one of a camera that is so much slower, and no other.
 TEST(Pilot, TakesALatePictureForAsOldAsItIs) {
   constexpr double kLate = 0.05, kUsual = 0.044;
-  PilotConfig usual = config(), slower = config();
-  usual.track.gates[0].p_EG = slower.track.gates[0].p_EG = {3.5, 0, -1.5};
-  usual.camera_timing.latency = kUsual, slower.camera_timing.latency = kUsual + kLate;
-  Pilot late{usual}, slow{slower}, unaware{usual};
-  int tick = 0;
-  for (Pilot* const pilot : {&late, &slow, &unaware}) tick = climb(*pilot, take_off(*pilot));
-  Canvas canvas{316, 160};
-  canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, usual.camera);
-  const auto bytes = canvas.uyvy();
-  for (int i = 0; i < 60; ++i, ++tick) {  // it turns, so that the age of a picture matters
-    Sensors s = sensed_at(tick, {Vector3d{0.0, 0.0, 0.8}, Vector3d{0, 0, -9.81}});
-    if (i == 59) s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
-    (void)slow.step(s), (void)unaware.step(s);
-    s.picture_late = kLate;
-    (void)late.step(s);
+  for (const FilterModel model : {FilterModel::kOurs, FilterModel::kDrag}) {
+    PilotConfig usual = config(), slower = config();
+    usual.filter_model = slower.filter_model = model;
+    usual.camera_timing.latency = kUsual, slower.camera_timing.latency = kUsual + kLate;
+    const Pilot late = after_a_turn(usual, kLate), slow = after_a_turn(slower, 0.0),
+                unaware = after_a_turn(usual, 0.0);
+    ASSERT_NE(late.sighting().source, Sighting::Source::kNone);
+    EXPECT_EQ(late.estimate().p_EB, slow.estimate().p_EB);
+    EXPECT_EQ(late.sighting().nis, slow.sighting().nis);
+    EXPECT_NE(late.estimate().p_EB, unaware.estimate().p_EB);
   }
-  ASSERT_NE(late.sighting().source, Sighting::Source::kNone);
-  EXPECT_EQ(late.estimate().p_EB, slow.estimate().p_EB);
-  EXPECT_EQ(late.sighting().nis, slow.sighting().nis);
-  EXPECT_NE(late.estimate().p_EB, unaware.estimate().p_EB);
+}
+
+TEST(Pilot, APictureOlderThanItsMemoryCountsNeitherForNorAgainstIt) {
+  PilotConfig remembers = config();
+  remembers.filter_model = FilterModel::kOurs;
+  const Pilot pilot = after_a_turn(remembers, remembers.filter_memory);
+  EXPECT_EQ(pilot.sighting().source, Sighting::Source::kNone);
+  EXPECT_FALSE(pilot.sighting().seen);
 }
 
 TEST(Pilot, ALatenessThatIsNoneCountsAsNone) {
@@ -409,7 +426,7 @@ TEST(Pilot, ALatenessThatIsNoneCountsAsNone) {
   canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, bebop_rig());
   const auto bytes = canvas.uyvy();
   Vector3d without = Vector3d::Zero();
-  for (const double late : {0.0, -0.05, kNan}) {
+  for (const double late : {0.0, -0.05, 5.0, kNan}) {
     PilotConfig c = config();
     c.track.gates[0].p_EG = {3.5, 0, -1.5};
     Pilot pilot{c};

@@ -66,13 +66,14 @@ void Intake::take_heights(bool rotors_turn) {
 }
 
 void Intake::take_picture() {
+  constexpr double kMostLate = 1.0;  // a stamp that says more is of another clock [s]. [estimate]
   constexpr int kMean = 32;  // of so many intervals, one standard deviation is a sixth. [estimate]
   if (has_picture_) {
     intervals_ = std::min(intervals_ + 1, kMean);
     interval_ += (time_ - picture_at_ - interval_) / intervals_;
   }
   has_picture_ = true, picture_at_ = time_;
-  if (!(taken_.picture_late > 0.0)) taken_.picture_late = 0.0;
+  if (!(taken_.picture_late > 0.0 && taken_.picture_late <= kMostLate)) taken_.picture_late = 0.0;
   const std::uint64_t picture =
       taken_.seen ? fingerprint_of(*taken_.seen) : gatefly::fingerprint_of(*taken_.image);
   if (picture != 0 && picture == picture_) {

@@ -37,10 +37,11 @@ struct Sensors {
   std::optional<Imu> navigation_imu = std::nullopt;
   std::optional<double> sonar = std::nullopt;  ///< Range to what is below, along body z [m].
   std::optional<double> baro = std::nullopt;   ///< Height above the pad [m].
-  /// Arrived now, exposed `latency` ago; read in this call only.
+  /// Arrived now, exposed `latency` and `picture_late` ago; read in this call only.
   std::optional<Image> image = std::nullopt;
   std::optional<SeenGates> seen = std::nullopt;  ///< Instead of an image, and as late.
-  /// Either came so much later than `latency` says, as the picture's stamp tells [s]; 0: it has none.
+  /// Either came so much later than `latency` says, by the picture's stamp [s]; 0 also where it has
+  /// none. The paper's pilot does not ask: to it a fix is of now.
   double picture_late = 0.0;
   /// Another pilot flies, as in the replay of a log: this one's commands do not reach the rotors ...
   bool looks_on = false;

@@ -18,7 +18,7 @@ struct Picture {
   PixelFormat format = PixelFormat::kUyvy;
   int stored_width = 0, stored_height = 0;  ///< [px]
   std::chrono::nanoseconds arrived{0};
-  /// So much later than the quickest of late, by its stamp; 0: it has none.
+  /// So much later than the quickest of the last ones, by its stamp; 0 also where it has none.
   std::chrono::nanoseconds late{0};
   std::size_t number = 0;  ///< From 0; of a recorded one its place in the recording.
 

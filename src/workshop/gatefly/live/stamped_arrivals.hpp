@@ -1,37 +1,30 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <chrono>
-#include <optional>
+#include <cstddef>
 
 namespace gatefly::live {
 
-/// How late something stamped by another clock came, against the quickest of late.
+/// How late something stamped by another clock came, against the quickest of the last second.
 ///
-/// Ours. The quickest tells at once how the clocks stand; then it is forgotten by a part of each later one's lateness, because clocks drift and a
-/// simulator stops now and then. The delay that all of them have cannot be told from the clocks' offset: for pictures it is the camera's latency, which the
-/// calibration knows and the filter corrects.
+/// Ours. The quickest of a second tells how the clocks stand, if it stands as the quickest of a few seconds ago did: else the other clock goes faster or slower,
+/// has jumped, or stands, and says nothing. The delay that all have in common cannot be told from the clocks' offset: of pictures it is the camera's latency,
+/// which the calibration knows and the filter corrects.
 class StampedArrivals {
  public:
-  /// One arrives at `arrival` that the other clock stamped `stamp`. @return 0 or more; 0 when it begins anew, because the clocks have jumped.
-  std::chrono::nanoseconds late(std::chrono::nanoseconds arrival, std::chrono::nanoseconds stamp) {
-    const std::chrono::nanoseconds took = arrival - stamp;
-    if (!quickest_ || took < *quickest_ || took > *quickest_ + kJump) {
-      quickest_ = took;
-      return std::chrono::nanoseconds{0};
-    }
-    const std::chrono::nanoseconds late = took - *quickest_;
-    *quickest_ += late / kForgets;
-    return late;
-  }
+  /// One arrives at `arrival` that the other clock stamped `stamp`. @return 0 or more; 0 also while nothing can be told.
+  std::chrono::nanoseconds late(std::chrono::nanoseconds arrival, std::chrono::nanoseconds stamp);
 
  private:
-  static constexpr int kForgets =
-      64;  ///< Ours: a jump of clocks is over in 4 s at 30 Hz; a drift of 0.1 % makes 2 ms.
-  /// Nothing comes that late. Ours: what a filter remembers of a second.
-  static constexpr std::chrono::nanoseconds kJump = std::chrono::milliseconds{150};
-  std::optional<std::chrono::nanoseconds> quickest_;
+  struct Arrived {
+    std::chrono::nanoseconds at{0}, took{0};  ///< Arrival less stamp.
+  };
+  static constexpr std::size_t kKept = 512;  ///< Four seconds at 120 Hz. Ours.
+
+  std::array<Arrived, kKept> last_{};
+  std::size_t count_ = 0;
 };
 
 }  // namespace gatefly::live

@@ -86,6 +86,7 @@ Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
   picture.file.clear();
   picture.format = PixelFormat::kUyvy;
   picture.stored_width = size_.width, picture.stored_height = size_.height;
+  picture.late = {};
   picture.number = count_++;
   return Got::kPicture;
 }

@@ -99,6 +99,10 @@ class ErrorStateFilter {
   [[nodiscard]] const Setup& setup() const { return setup_; }
   /// The measurements of late, by the moment each was taken.
   [[nodiscard]] const DelayRing& recent() const { return ring_; }
+  /// What was seen then can still correct the filter, but for the lines of a rolling shutter.
+  [[nodiscard]] bool remembers(double time) const {
+    return started_ && time >= ring_[ring_.oldest()].time;
+  }
 
  private:
   void advance(const Sample& sample, double time);

@@ -20,10 +20,8 @@ constexpr int kQuality = 90;             ///< Ours; TS-002 does not say.
 constexpr std::size_t kDatagram = 1400;  ///< Fits into an Ethernet frame [bytes].
 constexpr std::size_t kPoses = 512;      ///< Half a second.
 
-/// Takes this thread's place ahead of others away, which all threads of a program that `chrt` starts have.
-///
-/// Physics and controller must not be late, a picture may be: a view that takes long to render would keep them from a core for
-/// 50 ms, which is enough to throw the drone over.
+/// Gives this thread the normal priority. All threads of a program that `chrt` starts are real-time: one that renders for long uses up what the kernel leaves
+/// to them, and physics and controller stand for up to 100 ms with it, which throws the drone over.
 void let_others_go_first() {
   const sched_param normal{};
   (void)sched_setscheduler(0, SCHED_OTHER, &normal);
@@ -57,6 +55,9 @@ void PictureFeed::remember(const sim::BodyPose& pose, live::Moment start) {
   history_.push_back(pose);
   send_due();
   if (pose.t < next_start_ + span_) return;
+  // Physics waits for nobody who renders: what is not free now is in a millisecond.
+  const std::unique_lock lock{mutex_, std::try_to_lock};
+  if (!lock) return;
   const world::SensorTruth& truth = config_.sensors;
   const double began = next_start_, jitter = std::abs(schedule_.normal_cut(truth.latency_jitter));
   const bool lost = schedule_.uniform() < truth.frame_loss;
@@ -66,17 +67,11 @@ void PictureFeed::remember(const sim::BodyPose& pose, live::Moment start) {
   const auto first = std::find_if(history_.begin(), history_.end(),
                                   [&](const sim::BodyPose& p) { return p.t > began - 0.01; });
   const auto due = std::chrono::duration<double>(began + span_ + truth.camera_latency + jitter);
-  {
-    const std::lock_guard lock{mutex_};
-    if (next_) {
-      ++left_out_;
-      return;
-    }
-    next_ = Exposure{.frame = frame_,
-                     .start = began,
-                     .due = start + std::chrono::duration_cast<live::Clock::duration>(due),
-                     .poses = {first, history_.end()}};
-  }
+  left_out_ += next_.has_value();
+  next_ = Exposure{.frame = frame_,
+                   .start = began,
+                   .due = start + std::chrono::duration_cast<live::Clock::duration>(due),
+                   .poses = {first, history_.end()}};
   wake_.notify_one();
 }
 
@@ -101,8 +96,8 @@ void PictureFeed::send_due() {
   for (;;) {
     Rendered picture;
     {
-      const std::lock_guard lock{mutex_};
-      if (rendered_.empty() || rendered_.front().due > live::Clock::now()) return;
+      const std::unique_lock lock{mutex_, std::try_to_lock};
+      if (!lock || rendered_.empty() || rendered_.front().due > live::Clock::now()) return;
       picture = std::move(rendered_.front());
       rendered_.pop_front();
     }

@@ -24,8 +24,8 @@ namespace gatefly::link_sim {
 /// The camera of the drone: exposes at its rate, renders in a thread of its own, and sends each picture when it is due, as slices
 /// of a JPEG [TS-002].
 ///
-/// While a picture is rendered the next one waits; one whose time comes even before that is left out, and counted. The slices' stamps are of the exposure,
-/// so that who receives them knows how late they are.
+/// While a picture is rendered the newest one waits; one that a newer one has replaced is left out, and counted. The slices' stamps
+/// are of the exposure: they tell how late each is.
 class PictureFeed {
  public:
   /// @param while_baking  may throw to stop. @throws std::runtime_error as CameraRenderer does.
