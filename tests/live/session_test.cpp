@@ -3,15 +3,21 @@
 #include "gatefly/live/session.hpp"
 
 #include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
 #include <thread>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "gatefly/files/text.hpp"
 #include "gatefly/live/folder_camera.hpp"
 #include "gatefly/live/linked.hpp"
 
 #include "support/recorded_flight.hpp"
+#include "support/temp_folder.hpp"
 
 namespace gatefly::live {
 namespace {
@@ -59,11 +65,7 @@ std::array<double, 12> numbers_of(const Command& c) {
 
 class SessionAtPace : public ::testing::TestWithParam<double> {};
 
-TEST_P(SessionAtPace, GivesTheCommandsOfAReplayToTheBit) {
-  const auto directory = support::source_folder() / "tests" / "replay" / "oval_flight";
-  const auto replayed = support::replayed_simulated(directory, flight_log::Estimator::kPilots);
-
-  const Flown live = flown(directory, GetParam());
+void expect_as_replayed(const Flown& live, const flight_log::ReplayResult& replayed) {
   ASSERT_EQ(live.commands.size(), replayed.commands.size());
   EXPECT_EQ(live.commands.size(), 4103u) << "commands are compared";
   EXPECT_EQ(live.pictures, 39);
@@ -73,7 +75,32 @@ TEST_P(SessionAtPace, GivesTheCommandsOfAReplayToTheBit) {
   }
 }
 
+const auto kFlight = support::source_folder() / "tests" / "replay" / "oval_flight";
+
+TEST_P(SessionAtPace, GivesTheCommandsOfAReplayToTheBit) {
+  expect_as_replayed(flown(kFlight, GetParam()),
+                     support::replayed_simulated(kFlight, flight_log::Estimator::kPilots));
+}
+
 INSTANTIATE_TEST_SUITE_P(Paces, SessionAtPace, ::testing::Values(0.0, 4.0));
+
+TEST(Session, PicturesThatWereLateByTheirStampsAreReplayedSo) {
+  const test::TempFolder temp;
+  const auto directory = temp.path() / "flight";
+  std::filesystem::copy(kFlight, directory);
+  std::istringstream rows{files::read_file(kFlight / "images.csv")};
+  std::string all, row;
+  std::getline(rows, row);
+  all = row + ",late_ns\n";
+  for (int i = 0; std::getline(rows, row); ++i)
+    all += row + "," + std::to_string(i % 4 * 15'000'000) + "\n";
+  std::ofstream(directory / "images.csv") << all;
+
+  const Flown live = flown(directory, 0.0);
+  expect_as_replayed(live, support::replayed_simulated(directory, flight_log::Estimator::kPilots));
+  const auto in_time = support::replayed_simulated(kFlight, flight_log::Estimator::kPilots);
+  EXPECT_NE(live.estimates.back().p_EB, in_time.estimates.back().estimate.p_EB) << "it counts";
+}
 
 }  // namespace
 }  // namespace gatefly::live

@@ -421,6 +421,29 @@ TEST(Pilot, APictureOlderThanItsMemoryCountsNeitherForNorAgainstIt) {
   EXPECT_FALSE(pilot.sighting().seen);
 }
 
+// Whatever gate of the map is seen tells the height: a drone that searches for the next one is not
+// lost in it, as a guard above the pilot has to know.
+TEST(Pilot, AGateThatIsNotFlownToTellsTheHeightToo) {
+  PilotConfig c = config();
+  c.filter_model = FilterModel::kOurs;
+  c.track.gates = {{{4, 6, -1.5}, kPi / 2}, {{3.5, 0, -1.5}, 0.0}};
+  Pilot pilot{c};
+  int tick = climb(pilot, take_off(pilot));
+  Canvas canvas{316, 160};
+  canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, c.camera);
+  auto bytes = canvas.uyvy();
+  bool told = false;
+  for (int i = 0; i < 100; ++i, ++tick) {
+    Sensors s = sensed_at(tick, still());
+    bytes[0] = static_cast<std::uint8_t>(i);
+    if (i % 33 == 32) s.image = Image{bytes.data(), PixelFormat::kUyvy, 316, 160};
+    (void)pilot.step(s);
+    told = told || pilot.sighting().tells_height;
+    EXPECT_EQ(pilot.sighting().source, Sighting::Source::kNone);
+  }
+  EXPECT_TRUE(told);
+}
+
 TEST(Pilot, ALatenessThatIsNoneCountsAsNone) {
   Canvas canvas{316, 160};
   canvas.draw_gate({{-3.5, 0, 0}, {0, 0, 0}}, bebop_rig());

@@ -158,6 +158,7 @@ void MapLookout::take_whole_gates(const View& view) {
   }
   if (!taken.empty() && navigator.correct({taken.begin(), taken.size()}, of_target)) {
     last_any_ = navigator.time(), refused_ = 0;
+    sighting_.tells_height = true;
     if (!of_target) return;
     target_seen_ = true;
     sighting_.source = Sighting::Source::kCorners;
@@ -250,6 +251,7 @@ void MapLookout::take_cut(const View& view, const eskf::GateSight& sight) {
   if (!sure && ((is_opening && corners < 3) || !seen_again(seen->sight))) return;
   if (!view.navigator.correct({&seen->sight, 1}, target)) return;
   last_any_ = view.navigator.time(), refused_ = 0;
+  sighting_.tells_height = true;
   if (!target) return;
   target_seen_ = true;
   sighting_.source = Sighting::Source::kCorners;
@@ -268,6 +270,7 @@ bool MapLookout::take_part(const View& view, std::optional<eskf::GateSight> sigh
   if (!view.navigator.correct({&*sight, 1}, true)) return false;
   last_any_ = view.navigator.time(), refused_ = 0;
   sighting_.source = source;
+  sighting_.tells_height = sighting_.tells_height || source == Sighting::Source::kCorners;
   sighting_.nis = innovation->nis, sighting_.nis_dof = innovation->rows;
   return true;
 }

@@ -93,7 +93,9 @@ struct Sighting {
   bool offered = false;
   GateDetections detections;      ///< Best first; the one that was used is `used`.
   int used = -1;                  ///< Index into detections; -1 when none (or bars).
-  Source source = Source::kNone;  ///< Kind of fix that corrected the filter.
+  Source source = Source::kNone;  ///< Kind of fix of the target that corrected the filter.
+  /// Corners corrected it, the target's or another gate's of the map: bars do not tell the height.
+  bool tells_height = false;
   std::optional<FixOnCourse> fix;
   /// Normalised innovation squared of that fix ...
   double nis = 0.0;

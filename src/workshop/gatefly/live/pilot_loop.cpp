@@ -144,7 +144,7 @@ void PilotLoop::step(Sensors& sensors, Picture* picture, FlownTick& tick, nanose
   tick.estimate = pilot_.estimate();
   if (picture != nullptr) {
     tick.detections = pilot_.sighting().detections;
-    if (pilot_.sighting().source != Sighting::Source::kNone) height_at_ = now;
+    if (pilot_.sighting().tells_height) height_at_ = now;
   }
   say(last_, now);
   sensors.image.reset();
