@@ -93,7 +93,7 @@ TEST(Session, PicturesThatWereLateByTheirStampsAreReplayedSo) {
   std::getline(rows, row);
   all = row + ",late_ns\n";
   for (int i = 0; std::getline(rows, row); ++i)
-    all += row + "," + std::to_string(i % 4 * 15'000'000) + "\n";
+    all += row + "," + std::to_string(i * 7'213'265 % 50'000'000) + "\n";
   std::ofstream(directory / "images.csv") << all;
 
   const Flown live = flown(directory, 0.0);

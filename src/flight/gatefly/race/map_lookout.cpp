@@ -59,7 +59,9 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
                    : Eigen::Vector2d{sensors.image->width(), sensors.image->height()};
   CameraTiming timing = params_.timing;
   timing.latency += sensors.picture_late;
-  if (!navigator.error_state()->remembers(navigator.time() - timing.latency)) return;
+  if (sensors.picture_late > 0.0 &&
+      !navigator.error_state()->remembers(navigator.time() - timing.latency))
+    return;
   const View view{
       sensors,
       course,

@@ -33,7 +33,10 @@ constexpr const char* kLogHeader =
     "motor_lf_radps,motor_rf_radps,motor_rb_radps,motor_lb_radps,phase,target_gate,gates_passed,"
     "battery_v";
 
-double seconds(std::chrono::nanoseconds time) { return 1e-9 * static_cast<double>(time.count()); }
+// As logs of earlier versions have it, in the last digit: not gatefly::seconds, nor by its name, which would take that one's place in this folder.
+double column_seconds(std::chrono::nanoseconds time) {
+  return 1e-9 * static_cast<double>(time.count());
+}
 
 constexpr const char* kFilm = "flight.mp4";
 constexpr files::OutputKind kFlight{"earlier flight", "\"gates_passed\""};
@@ -225,7 +228,7 @@ void FlightRecorder::record(const RecordedRow& row) {
       buffer_ += ',';
   };
   buffer_ += std::to_string(sensors.time.count()) + ",";
-  append(seconds(sensors.time));
+  append(column_seconds(sensors.time));
   append(sensors.imu.gyro_B);
   append(sensors.imu.accel_B);
   append_if(sensors.sonar);
@@ -271,8 +274,8 @@ void FlightRecorder::record_frame(const RecordedRow& row) {
   const std::string name = keep_frame(row);
   // Decoders differ, so a hash of a decoded file would say nothing.
   const std::string hash = row.file.empty() ? files::text_of_xxh64(files::xxh64(row.frame)) : "";
-  images_ << name << ',' << files::text_of(seconds(time)) << ',' << row_ << ',' << time.count()
-          << ',' << hash << corners_of(row.next_gate_px);
+  images_ << name << ',' << files::text_of(column_seconds(time)) << ',' << row_ << ','
+          << time.count() << ',' << hash << corners_of(row.next_gate_px);
   if (keep_.picture_late) images_ << ',' << std::llround(1e9 * row.sensors.picture_late);
   images_ << '\n';
   check(images_.good(), "images.csv");
