@@ -70,14 +70,18 @@ TEST(StreamCamera, WordsAreSplitAsAShellDoes) {
   EXPECT_THAT(words_of_pipeline("a  b=\"c d\" 'e ! f' !"), ElementsAre("a", "b=c d", "e ! f", "!"));
 }
 
-TEST(SliceCamera, APictureInSlicesIsDecodedAndKept) {
+std::vector<std::uint8_t> jpeg_of_a_flight() {
   const std::string file = files::read_file(support::source_folder() / "tests" / "replay" /
                                             "oval_flight" / "img_00016.jpg");
+  return {file.begin(), file.end()};
+}
+
+TEST(SliceCamera, APictureInSlicesIsDecodedAndKept) {
   int ends[2] = {-1, -1};
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_DGRAM, 0, ends), 0);
   SliceCamera camera{Port{ends[0], "slices"}, {160, 315}};
   std::array<std::uint8_t, 1000> room{};
-  const std::vector<std::uint8_t> jpeg(file.begin(), file.end());
+  const std::vector<std::uint8_t> jpeg = jpeg_of_a_flight();
   (void)jpeg_slices::each_slice(jpeg, 7, 0ns, room, [&](link::Bytes slice) {
     (void)::write(ends[1], slice.data(), slice.size());
   });
@@ -90,13 +94,11 @@ TEST(SliceCamera, APictureInSlicesIsDecodedAndKept) {
 }
 
 TEST(SliceCamera, APictureThatIsHeldUpIsCalledLate) {
-  const std::string file = files::read_file(support::source_folder() / "tests" / "replay" /
-                                            "oval_flight" / "img_00016.jpg");
   int ends[2] = {-1, -1};
   ASSERT_EQ(socketpair(AF_UNIX, SOCK_DGRAM, 0, ends), 0);
   SliceCamera camera{Port{ends[0], "slices"}, {160, 315}};
   std::vector<std::uint8_t> room(60'000);
-  const std::vector<std::uint8_t> jpeg(file.begin(), file.end());
+  const std::vector<std::uint8_t> jpeg = jpeg_of_a_flight();
   const Moment start = Clock::now();
   constexpr std::chrono::nanoseconds kPeriod = 30ms, kHeldUp = 40ms;
   Picture picture;

@@ -59,6 +59,8 @@ void MapLookout::look(const Sensors& sensors, bool looking, const Course& course
                    : Eigen::Vector2d{sensors.image->width(), sensors.image->height()};
   CameraTiming timing = params_.timing;
   timing.latency += sensors.picture_late;
+  // The configuration keeps pictures that come in time within the memory; a late one may be older, and
+  // is then no evidence that the place is wrong.
   if (sensors.picture_late > 0.0 &&
       !navigator.error_state()->remembers(navigator.time() - timing.latency))
     return;

@@ -94,7 +94,7 @@ struct Sighting {
   GateDetections detections;      ///< Best first; the one that was used is `used`.
   int used = -1;                  ///< Index into detections; -1 when none (or bars).
   Source source = Source::kNone;  ///< Kind of fix of the target that corrected the filter.
-  /// Corners corrected it, the target's or another gate's of the map: bars do not tell the height.
+  /// Corners of a gate, the target or another, corrected the height; side bars do not tell it.
   bool tells_height = false;
   std::optional<FixOnCourse> fix;
   /// Normalised innovation squared of that fix ...

@@ -29,7 +29,7 @@ bool fuse(const SeenFix& seen, const MapGate& gate, double gate_yaw_sigma, Navig
   used.yaw_sigma = std::sqrt(fix.yaw_variance + gate_yaw_sigma * gate_yaw_sigma);
   if (fusion == Fusion::kAccepted) sighting.nis = nis, sighting.nis_dof = fix.has_height ? 3 : 2;
   sighting.source = seen.source;
-  sighting.tells_height = seen.source == Sighting::Source::kCorners;
+  sighting.tells_height = fix.has_height;
   return true;
 }
 

@@ -207,8 +207,8 @@ nanoseconds late_of(const files::Csv& csv, std::size_t row, double late_ns) {
   constexpr double kMost = 1e9;  // a second: whoever writes more has mistaken the unit or the clock
   if (std::isnan(late_ns)) return nanoseconds{0};  // an empty cell: nobody knows
   if (!(late_ns >= 0.0 && late_ns <= kMost))
-    throw std::runtime_error(csv.place(row, kLateColumn) + ": " + files::text_of(late_ns) +
-                             ", must be 0 to 1000000000 (a second)");
+    throw std::runtime_error(csv.place(row, kLateColumn) + ": late_ns = " +
+                             files::text_of(late_ns) + ", must be 0 to 1000000000 (a second)");
   return nanoseconds{std::llround(late_ns)};
 }
 

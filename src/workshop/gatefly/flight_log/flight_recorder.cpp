@@ -33,7 +33,8 @@ constexpr const char* kLogHeader =
     "motor_lf_radps,motor_rf_radps,motor_rb_radps,motor_lb_radps,phase,target_gate,gates_passed,"
     "battery_v";
 
-// As logs of earlier versions have it, in the last digit: not gatefly::seconds, nor by its name, which would take that one's place in this folder.
+// Column t_s, to the last digit as logs of earlier versions have it: gatefly::seconds rounds otherwise.
+// It must not bear that name, which would hide the other wherever this folder is compiled as one.
 double column_seconds(std::chrono::nanoseconds time) {
   return 1e-9 * static_cast<double>(time.count());
 }
