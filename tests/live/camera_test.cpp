@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/live/camera.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +14,7 @@
 
 #include "gatefly/files/jpeg_writer.hpp"
 #include "gatefly/files/text.hpp"
+#include "gatefly/live/gst_packets.hpp"
 #include "gatefly/live/slice_camera.hpp"
 #include "gatefly/live/stream_camera.hpp"
 
@@ -44,18 +46,113 @@ class FakeGStreamer {
   std::string before_;
 };
 
+/// Four pictures of 8 x 4 by the real program: `gst-launch-1.0 -q videotestsrc is-live=true num-buffers=4 ! videoconvert ! videoscale !
+/// video/x-raw,format=UYVY,width=8,height=4,colorimetry=1:4:0:0 ! gdppay ! fdsink fd=1 sync=false`, version 1.22.
+std::string four_pictures() {
+  return (support::source_folder() / "tests" / "live" / "four_pictures.gdp").string();
+}
+
 TEST(StreamCamera, PicturesOfAPipelineComeWholeInTheCamerasSize) {
-  const FakeGStreamer gst{"head -c 1600 /dev/zero; sleep 5"};
-  StreamCamera camera{"videotestsrc pattern=\"smpte 75\"", {20, 20}};
+  const FakeGStreamer gst{"echo 'it is a talkative camera'; cat " + four_pictures() +
+                          " >&3; sleep 5"};
+  StreamCamera camera{"videotestsrc pattern=\"smpte 75\"", {8, 4}};
   Picture picture;
-  EXPECT_EQ(camera.next(picture, Clock::now() + 2s), Camera::Got::kPicture);
-  EXPECT_EQ(picture.pixels.size(), 800u);
-  EXPECT_EQ(picture.number, 0u);
-  EXPECT_EQ(camera.next(picture, Clock::now() + 1s), Camera::Got::kPicture);
+  for (std::size_t i = 0; i < 4; ++i) {
+    ASSERT_EQ(camera.next(picture, Clock::now() + 2s), Camera::Got::kPicture);
+    EXPECT_EQ(picture.number, i);
+    ASSERT_EQ(picture.pixels.size(), 64u);
+    EXPECT_THAT(std::vector(picture.pixels.begin(), picture.pixels.begin() + 4),
+                ElementsAre(0x48, 0xeb, 0x89, 0xd2))
+        << "its white bar";
+  }
   EXPECT_EQ(camera.next(picture, Clock::now() + 20ms), Camera::Got::kNothing) << "it has stalled";
   EXPECT_THAT(gst.words(), HasSubstr("-q videotestsrc pattern=smpte 75 ! videoconvert"));
   EXPECT_THAT(gst.words(),
-              HasSubstr("format=UYVY,width=20,height=20,colorimetry=1:4:0:0 ! fdsink"));
+              HasSubstr("format=UYVY,width=8,height=4,colorimetry=1:4:0:0 ! gdppay ! fdsink fd=3"));
+}
+
+TEST(StreamCamera, APacketSaysWhenItsPictureWasTaken) {
+  const std::string bytes = files::read_file(four_pictures());
+  std::vector<std::int64_t> stamps;
+  for (std::size_t at = 0; at < bytes.size();) {
+    PacketBytes header{};
+    std::copy_n(bytes.begin() + static_cast<std::ptrdiff_t>(at), header.size(), header.begin());
+    const auto packet = packet_header(header);
+    ASSERT_TRUE(packet) << "at byte " << at;
+    if (packet->is_picture) stamps.push_back(packet->stamp.count());
+    at += header.size() + packet->size;
+  }
+  EXPECT_THAT(stamps, ElementsAre(3'203'817, 36'537'150, 69'870'483, 103'203'817));
+}
+
+TEST(StreamCamera, APictureThatIsHeldUpIsCalledLate) {
+  const FakeGStreamer gst{R"(exec python3 - <<'END'
+import os, struct, time
+start = time.monotonic()
+for i in range(80):
+    time.sleep(max(0, start + .03 * i + (.04 if i == 79 else 0) - time.monotonic()))
+    header = struct.pack('>BBBBHIQQQQH14sHH', 1, 0, 1, 0, 1, 64, 30_000_000 * i, 0, 0, 0, 0, bytes(14), 0, 0)
+    os.write(3, header + bytes(64))
+time.sleep(5)
+END
+)"};
+  StreamCamera camera{"videotestsrc", {8, 4}};
+  Picture picture;
+  for (int i = 0; i < 80; ++i)
+    ASSERT_EQ(camera.next(picture, Clock::now() + 2s), Camera::Got::kPicture);
+  EXPECT_GE(picture.late, 30ms);
+}
+
+TEST(StreamCamera, OfTheRealProgramThePicturesThatAreHeldUpAreCalledLate) {
+  if (std::system("gst-launch-1.0 -q videotestsrc num-buffers=1 ! netsim ! gdppay ! fakesink "
+                  ">/dev/null 2>&1") != 0)
+    GTEST_SKIP() << "needs gst-launch-1.0 with gdppay and netsim (gstreamer1.0-plugins-bad)";
+  StreamCamera camera{
+      "videotestsrc is-live=true ! video/x-raw,framerate=30/1 ! "
+      "netsim delay-probability=0.2 min-delay=40 max-delay=50",
+      {64, 48}};
+  Picture picture;
+  int late = 0, in_time = 0;
+  for (int i = 0; i < 180; ++i) {
+    ASSERT_EQ(camera.next(picture, Clock::now() + 5s), Camera::Got::kPicture) << camera.why();
+    late += picture.late >= 30ms;
+    in_time += picture.late < 15ms;
+  }
+  EXPECT_GE(late, 5) << "one of five, of those that come after two seconds";
+  EXPECT_GE(in_time, 120);
+}
+
+std::string error_of(const std::string& script, StoredSize size) {
+  const FakeGStreamer gst{script};
+  StreamCamera camera{"videotestsrc", size};
+  Picture picture;
+  try {
+    (void)camera.next(picture, Clock::now() + 2s);
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(StreamCamera, WhatIsNoPictureOfTheCamerasSizeIsRefused) {
+  EXPECT_EQ(error_of("cat " + four_pictures() + " >&3; sleep 5", {8, 6}),
+            "--camera: gst-launch-1.0 sends 64 bytes, a picture of the camera's size has 96");
+  EXPECT_EQ(error_of("head -c 1600 /dev/zero >&3; sleep 5", {8, 4}),
+            "--camera: gst-launch-1.0 sends what is not GStreamer's data protocol 1.0");
+  EXPECT_EQ(
+      error_of(R"(printf '\1\0\1\0\0\100\377\377\377\377' >&3; head -c 52 /dev/zero >&3; sleep 5)",
+               {8, 4}),
+      "--camera: gst-launch-1.0 sends 4294967295 bytes, a picture of the camera's size has 64");
+}
+
+TEST(StreamCamera, WithoutTheElementThatStampsItSaysWhatToInstall) {
+  const FakeGStreamer gst{"echo 'WARNING: erroneous pipeline: no element \"gdppay\"' >&2; exit 1"};
+  StreamCamera camera{"videotestsrc", {8, 4}};
+  Picture picture;
+  EXPECT_EQ(camera.next(picture, Clock::now() + 2s), Camera::Got::kEnded);
+  EXPECT_EQ(camera.why(),
+            "WARNING: erroneous pipeline: no element \"gdppay\" (apt-get install "
+            "gstreamer1.0-plugins-bad)");
 }
 
 TEST(StreamCamera, AProgramThatEndsSaysWhy) {

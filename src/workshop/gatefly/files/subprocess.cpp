@@ -31,6 +31,7 @@ int start(std::vector<std::string> words, Streams streams, pid_t& pid) {
   connect(streams.input, STDIN_FILENO);
   connect(streams.output, STDOUT_FILENO);
   connect(streams.errors, STDERR_FILENO);
+  if (streams.third >= 0) posix_spawn_file_actions_adddup2(&files, streams.third, 3);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
   const int error =
       posix_spawnp(&pid, arguments[0], &files, &attributes, arguments.data(), environ);

@@ -9,9 +9,9 @@
 
 namespace gatefly::files {
 
-/// Open files that become a program's stdin, stdout and stderr; -1: nothing.
+/// Open files that become a program's stdin, stdout and stderr, -1: nothing; and its file 3, -1: it has none.
 struct Streams {
-  int input = -1, output = -1, errors = -1;
+  int input = -1, output = -1, errors = -1, third = -1;
 };
 
 /// Starts a program of PATH in a process group of its own: Ctrl-C is for us to handle.

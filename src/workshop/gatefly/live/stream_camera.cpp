@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/live/stream_camera.hpp"
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -37,10 +39,19 @@ std::vector<std::string> words_of_pipeline(const std::string& pipeline) {
   return words;
 }
 
+namespace {
+
+/// Longest payload of a packet that is no picture: a few hundred bytes. Ours.
+constexpr std::size_t kMostOfAnother = 1 << 20;
+
+std::size_t bytes_of(StoredSize size) {
+  return image_bytes(PixelFormat::kUyvy, size.width, size.height);
+}
+
+}  // namespace
+
 StreamCamera::StreamCamera(const std::string& pipeline, StoredSize size)
-    : size_{size},
-      messages_{std::tmpfile()},
-      frame_(image_bytes(PixelFormat::kUyvy, size.width, size.height)) {
+    : size_{size}, messages_{std::tmpfile()}, payload_(std::max(kMostOfAnother, bytes_of(size))) {
   if (size.width % 2 != 0)
     throw std::runtime_error(
         "--camera: pictures of a stream must have an even width, the camera's is " +
@@ -55,11 +66,12 @@ StreamCamera::StreamCamera(const std::string& pipeline, StoredSize size)
                            ",height=" + std::to_string(size.height) + ",colorimetry=1:4:0:0";
   for (const std::string& word :
        {std::string{"!"}, std::string{"videoconvert"}, std::string{"!"}, std::string{"videoscale"},
-        std::string{"!"}, caps, std::string{"!"}, std::string{"fdsink"}, std::string{"fd=1"},
-        std::string{"sync=false"}})
+        std::string{"!"}, caps, std::string{"!"}, std::string{"gdppay"}, std::string{"!"},
+        std::string{"fdsink"}, std::string{"fd=3"}, std::string{"sync=false"}})
     words.push_back(word);
+  // A file of its own: some sources print onto stdout what they do.
   const int error =
-      files::start(words, {.output = ends[1], .errors = fileno(messages_.get())}, program_);
+      files::start(words, {.errors = fileno(messages_.get()), .third = ends[1]}, program_);
   ::close(ends[1]);
   pipe_.emplace(ends[0], "gst");
   fcntl(ends[0], F_SETPIPE_SZ, 1 << 20);  // a picture whole; refused, it is but slower
@@ -74,23 +86,53 @@ StreamCamera::~StreamCamera() {
   files::wait_for(program_);
 }
 
-Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
-  while (filled_ < frame_.size()) {
-    const auto got = pipe_->read(std::span{frame_}.subspan(filled_), deadline);
+Camera::Got StreamCamera::fill(std::span<std::uint8_t> room, Moment deadline) {
+  while (filled_ < room.size()) {
+    const auto got = pipe_->read(room.subspan(filled_), deadline);
     if (!got) return Got::kEnded;
     if (*got == 0) return Got::kNothing;
     filled_ += *got;
   }
   filled_ = 0;
-  picture.pixels.assign(frame_.begin(), frame_.end());
-  picture.file.clear();
-  picture.format = PixelFormat::kUyvy;
-  picture.stored_width = size_.width, picture.stored_height = size_.height;
-  picture.late = {};
-  picture.number = count_++;
   return Got::kPicture;
 }
 
-std::string StreamCamera::why() const { return files::last_line(messages_.get()); }
+PacketHeader StreamCamera::checked(const std::optional<PacketHeader>& header) const {
+  if (!header)
+    throw std::runtime_error(
+        "--camera: gst-launch-1.0 sends what is not GStreamer's data protocol 1.0");
+  const std::size_t size = bytes_of(size_);
+  if (header->is_picture ? header->size != size : header->size > kMostOfAnother)
+    throw std::runtime_error("--camera: gst-launch-1.0 sends " + std::to_string(header->size) +
+                             " bytes, a picture of the camera's size has " + std::to_string(size));
+  return *header;
+}
+
+Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
+  while (true) {
+    if (!packet_) {
+      if (const Got got = fill(header_, deadline); got != Got::kPicture) return got;
+      packet_ = checked(packet_header(header_));
+    }
+    const std::span payload = std::span{payload_}.first(packet_->size);
+    if (const Got got = fill(payload, deadline); got != Got::kPicture) return got;
+    const PacketHeader packet = *std::exchange(packet_, std::nullopt);
+    if (!packet.is_picture) continue;
+    picture.late = stamps_.late(Clock::now().time_since_epoch(), packet.stamp);
+    picture.pixels.assign(payload.begin(), payload.end());
+    picture.file.clear();
+    picture.format = PixelFormat::kUyvy;
+    picture.stored_width = size_.width, picture.stored_height = size_.height;
+    picture.number = count_++;
+    return Got::kPicture;
+  }
+}
+
+std::string StreamCamera::why() const {
+  const std::string last = files::last_line(messages_.get());
+  return last.find("gdppay") == std::string::npos
+             ? last
+             : last + " (apt-get install gstreamer1.0-plugins-bad)";
+}
 
 }  // namespace gatefly::live
