@@ -63,6 +63,18 @@ TEST(TruthOfFindings, ACentreElsewhereIsWorthTheTurnThatShowsTheSame) {
   EXPECT_LT((ahead_B - really_B).norm(), 1e-3);
 }
 
+// Dhane's k scales the middle of a picture: a pilot that knows no k finds another focal length.
+TEST(TruthOfFindings, AnotherKIsWorthTheFocalLengthThatShowsTheSame) {
+  RaceConfig race = test::race_on("showroom", 1001, 1, {}, "none");
+  const Eigen::Vector3d beside_axis{0.01, 0.0, 1.0};
+  const auto shown = [&] { return *race.sim.camera.lens.project(beside_axis); };
+  auto& lens = std::get<DhaneFisheye>(race.sim.camera.lens.model);
+  const double before = shown().x() - lens.center_px.x();
+  lens.k *= 1.1;
+  EXPECT_NEAR(truth_of_findings(race.sim, race.pilot).focal,
+              (shown().x() - lens.center_px.x()) / before - 1.0, 1e-4);
+}
+
 TEST(TruthOfFindings, SaysWhatTheSeedDrew) {
   const RaceConfig race = test::race_on("showroom", 1001, 1, {}, "race");
   const TruthOfFindings truth = truth_of_findings(race.sim, race.pilot);

@@ -171,9 +171,20 @@ TEST_F(EveryKey, OfRandomizeChangesOneDeviationAndNoOther) {
     const std::string& name = key.rule.name;
     const json value = other_value(key.rule, before);
     const Values after = deviations({{key_of(name), value}});
-    EXPECT_EQ(changed(before, after), std::set{name});
+    // Where it stands alone, camera_k is of every lens, as it was when it was the only one.
+    const bool both = name == "randomize.camera_k";
+    EXPECT_EQ(changed(before, after),
+              both ? std::set<std::string>({name, "randomize.camera_k1_percent"}) : std::set{name});
     EXPECT_EQ(after.at(name), value) << name;
   }
+}
+
+TEST_F(EveryKey, ALensOfOneKeyLeavesTheOther) {
+  const auto both = randomized({}, {{"camera_k", 0.02}, {"camera_k1_percent", 13.0}}, "here");
+  EXPECT_EQ(both.camera_k, 0.02);
+  EXPECT_EQ(both.camera_k1, 0.13);
+  EXPECT_EQ(randomized({}, {{"camera_k", 0.1}}, "here").camera_k1, 0.1);
+  EXPECT_EQ(randomized({}, {{"camera_k1_percent", 13.0}}, "here").camera_k, 0.0);
 }
 
 TEST_F(EveryKey, RefusesWhatItMayNotHoldNamingFileKeyAndValue) {

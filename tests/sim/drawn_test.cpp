@@ -264,6 +264,7 @@ const std::vector<Draw>& draws() {
        kAdds,
        {{"center_px.0"}, {"center_px.1"}}},
       {"camera_k", &world::Randomize::camera_k, 0.02, kAdds, {{"lens_k"}}},
+      {"camera_k1", &world::Randomize::camera_k1, 0.02, kScales, {}},  // no polynomial lens here
       {"camera_tilt", &world::Randomize::camera_tilt, 0.02, kAdds, {{"tilt_down"}}},
       {"camera_latency", &world::Randomize::camera_latency, 0.01, kAdds, {{"camera_latency"}}},
       {"drag",
@@ -395,12 +396,12 @@ TEST(Randomize, EveryMemberHasARowInTheTableAbove) {
   world::Randomize sigma;
   // A member more and this does not compile: give it a row.
   auto& [m0, m1, m2, m3, m4, m5, m6, m7, m8, m9, m10, m11, m12, m13, m14, m15, m16, m17, m18, m19,
-         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34, m35, m36,
+         m20, m21, m22, m23, m24, m25, m26, m27, m28, m29, m30, m31, m32, m33, m34, m35, m36, m37,
          decoys, people] = sigma;
   const std::set<double*> members{&m0,  &m1,  &m2,  &m3,  &m4,  &m5,  &m6,  &m7,  &m8,  &m9,
                                   &m10, &m11, &m12, &m13, &m14, &m15, &m16, &m17, &m18, &m19,
                                   &m20, &m21, &m22, &m23, &m24, &m25, &m26, &m27, &m28, &m29,
-                                  &m30, &m31, &m32, &m33, &m34, &m35, &m36};
+                                  &m30, &m31, &m32, &m33, &m34, &m35, &m36, &m37};
   // These have tests of their own below.
   static_assert(std::is_same_v<decltype(decoys), int>);
   static_assert(std::is_same_v<decltype(people), int>);
@@ -725,7 +726,8 @@ world::SimConfig with(const AnyCamera& lens) {
 
 world::Randomize lens_only() {
   world::Randomize sigma;
-  sigma.camera_focal = 0.01, sigma.camera_center_px = 2.0, sigma.camera_k = 0.02;
+  sigma.camera_focal = 0.01, sigma.camera_center_px = 2.0;
+  sigma.camera_k = 0.02, sigma.camera_k1 = 0.02;
   return sigma;
 }
 
@@ -763,6 +765,23 @@ TEST(Randomize, GivesEveryModelTheSameDrawButItsOwnDistortion) {
   EXPECT_EQ(dhane.focal_px, fisheye.focal_px);
   EXPECT_EQ(dhane.center_px, fisheye.center_px);
   EXPECT_NEAR(fisheye.radial.coefficients()[0], 0.1 * (1.0 + dhane.k - DhaneFisheye{}.k), 1e-15);
+}
+
+TEST(Randomize, WhatAPolynomialsCoefficientIsOffByLeavesAStraightLensAsItIs) {
+  world::Randomize sigma;
+  sigma.camera_k1 = 0.13;
+  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    EXPECT_EQ(
+        std::get<DhaneFisheye>(drawn(with({DhaneFisheye{.k = 1.0}}), sigma, seed).camera.lens.model)
+            .k,
+        1.0);
+    EXPECT_NE(
+        std::get<KannalaBrandt>(
+            drawn(with({KannalaBrandt{.radial = RadialPolynomial{{0.1, 0, 0, 0}}}}), sigma, seed)
+                .camera.lens.model)
+            .radial.coefficients()[0],
+        0.1);
+  }
 }
 
 }  // namespace

@@ -211,21 +211,22 @@ void break_it(world::SimConfig& real) {
   real.sensors.sonar_loss += faults.sonar_drop;
 }
 
-/// Effect of `camera_k` on each model: Dhane's k is off by it; of the polynomials the first
-/// coefficient, by that part of itself: a fixed amount would fold a strong barrel back inside the
-/// picture.
+/// A lens that bends otherwise than told: Dhane's k by so much; of the polynomials the first
+/// coefficient by a part of itself: a fixed amount would fold a strong barrel back inside the
+/// picture. One draw, whatever the lens.
 struct LensOff {
-  double k;
-  void operator()(DhaneFisheye& lens) const { lens.k += k; }
-  void operator()(Pinhole&) const {}
+  Stream& stream;
+  const world::Randomize& sigma;
+  void operator()(DhaneFisheye& lens) const { lens.k += stream.normal_cut(sigma.camera_k); }
+  void operator()(Pinhole&) const { (void)stream.normal_cut(0.0); }
   void operator()(BrownConrady& lens) const {
     auto distortion = lens.distortion();
-    distortion[0] *= 1.0 + k;
+    distortion[0] *= 1.0 + stream.normal_cut(sigma.camera_k1);
     lens = {lens.focal_px, lens.center_px, distortion};
   }
   void operator()(KannalaBrandt& lens) const {
     auto coefficients = lens.radial.coefficients();
-    coefficients[0] *= 1.0 + k;
+    coefficients[0] *= 1.0 + stream.normal_cut(sigma.camera_k1);
     lens.radial = RadialPolynomial{coefficients};
   }
 };
@@ -272,7 +273,7 @@ world::SimConfig drawn(const world::SimConfig& nominal, const world::Randomize& 
                               camera.normal_cut(sigma.camera_center_px)};
   std::visit([&](auto& lens) { lens.focal_px *= zoom, lens.center_px += shift; },
              real.camera.lens.model);
-  std::visit(LensOff{camera.normal_cut(sigma.camera_k)}, real.camera.lens.model);
+  std::visit(LensOff{camera, sigma}, real.camera.lens.model);
   real.camera.tilt_down += camera.normal_cut(sigma.camera_tilt);
   real.sensors.camera_latency =
       std::max(0.0, real.sensors.camera_latency + camera.normal_cut(sigma.camera_latency));

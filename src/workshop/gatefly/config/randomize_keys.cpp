@@ -43,8 +43,11 @@ std::vector<Key<world::Randomize>> make_keys() {
           "camera_center_px", "principal point", 50,
           [](auto& r) -> auto& { return r.camera_center_px; }),
       sigma(
-          "camera_k", "first distortion coefficient", 0.3,
+          "camera_k", "k of Dhane's lens; a pinhole's is 1", 0.3,
           [](auto& r) -> auto& { return r.camera_k; }),
+      sigma(
+          "camera_k1_percent", "first distortion coefficient of the polynomial lenses", 100,
+          [](auto& r) -> auto& { return r.camera_k1; }, kPercent),
       sigma(
           "camera_tilt_deg", "mount angles of the camera", 20,
           [](auto& r) -> auto& { return r.camera_tilt; }, kDegree),
@@ -180,6 +183,9 @@ world::Randomize randomized(const world::Randomize& base, const nlohmann::json& 
       table.contains("level") ? world::randomize_level(table.at("level").get<std::string>()) : base;
   for (const auto& [key, value] : table.items())
     if (const auto* known = find(key)) known->set(result, value);
+  // Until 0.2 there was one key for both.
+  if (table.contains("camera_k") && !table.contains("camera_k1_percent"))
+    result.camera_k1 = result.camera_k;
   return result;
 }
 

@@ -12,7 +12,7 @@ Randomize randomize_level(const std::string& level) {
   Randomize race;
   race.gate_position = 0.10, race.gate_heading = 3 * kDegree, race.gate_height = 0.05;
   race.start_position = 0.10, race.start_heading = 3 * kDegree;
-  race.camera_focal = 0.01, race.camera_center_px = 2.0, race.camera_k = 0.02,
+  race.camera_focal = 0.01, race.camera_center_px = 2.0, race.camera_k = race.camera_k1 = 0.02,
   race.camera_tilt = 1 * kDegree;
   race.camera_latency = 0.010;
   race.gate_side = 0.01;
@@ -31,7 +31,7 @@ Randomize randomize_level(const std::string& level) {
   Randomize hard;
   hard.gate_position = 0.30, hard.gate_heading = 10 * kDegree, hard.gate_height = 0.15;
   hard.start_position = 0.20, hard.start_heading = 6 * kDegree;
-  hard.camera_focal = 0.02, hard.camera_center_px = 4.0, hard.camera_k = 0.04,
+  hard.camera_focal = 0.02, hard.camera_center_px = 4.0, hard.camera_k = hard.camera_k1 = 0.04,
   hard.camera_tilt = 2 * kDegree;
   hard.camera_latency = 0.025;
   hard.gate_side = 0.02;

@@ -10,9 +10,11 @@ namespace gatefly::world {
 struct Randomize {
   double gate_position = 0.0, gate_heading = 0.0, gate_height = 0.0;  ///< [m], [rad], [m]
   double start_position = 0.0, start_heading = 0.0;                   ///< [m], [rad]
-  double camera_focal = 0.0, camera_center_px = 0.0, camera_k = 0.0, camera_tilt = 0.0,
-         camera_latency = 0.0;
-  double gate_side = 0.0;                                  ///< Relative.
+  double camera_focal = 0.0, camera_center_px = 0.0, camera_tilt = 0.0, camera_latency = 0.0;
+  double camera_k =
+      0.0;  ///< Dhane's k, of which a pinhole's is 1: 0.1 scales a picture by a tenth.
+  double camera_k1 = 0.0;  ///< First coefficient of the polynomials; relative.
+  double gate_side = 0.0;  ///< Relative.
   double drag = 0.0, mass = 0.0, thrust = 0.0, sag = 0.0;  ///< Relative; sag is not random.
   double accel_bias = 0.0, gyro_bias = 0.0, scale = 0.0;   ///< [m/s²], [rad/s], relative
   /// [m/s²] [ours: rectified vibration]

@@ -12,8 +12,11 @@ namespace {
 
 constexpr double kMeanOfHalf = 0.7724;  // of |z|, z standard normal and cut at 2.5
 
-Eigen::Vector2d focal_of(const AnyCamera& lens) {
-  return std::visit([](const auto& model) { return model.focal_px; }, lens.model);
+/// What an angle at the picture's middle is worth [px/rad], across.
+double focal_of(const AnyCamera& lens) {
+  if (const auto* dhane = std::get_if<DhaneFisheye>(&lens.model))
+    return dhane->focal_px.x() / dhane->k;
+  return std::visit([](const auto& model) { return model.focal_px.x(); }, lens.model);
 }
 Eigen::Vector2d center_of(const AnyCamera& lens) {
   return std::visit([](const auto& model) { return model.center_px; }, lens.model);
@@ -30,7 +33,7 @@ TruthOfFindings truth_of_findings(const world::SimConfig& truth, const PilotConf
   if (const auto axis = truth.camera.lens.bearing(center_of(told.camera.lens)))
     found.center_as_tilt = atan2(axis->y(), axis->z()),
     found.center_as_pan = atan2(axis->x(), axis->z());
-  found.focal = focal_of(truth.camera.lens).x() / focal_of(told.camera.lens).x() - 1.0;
+  found.focal = focal_of(truth.camera.lens) / focal_of(told.camera.lens) - 1.0;
 
   const world::SensorTruth& sensors = truth.sensors;
   const double middle = 0.5 * (truth.camera.exposure + truth.camera.readout);

@@ -16,7 +16,7 @@ struct TruthOfFindings {
   /// Pictures are that much older than told when they arrive, jitter aside [s].
   double latency = 0.0;
   double latency_jitter = 0.0;  ///< Mean of the jitter, which only delays [s].
-  double focal = 0.0;           ///< Relative.
+  double focal = 0.0;           ///< Relative, in the picture's middle.
   double start_heading = 0.0;   ///< Clockwise on the pad [rad].
   /// Specific thrust at the rotor speed that hovers by the pilot's parameters / g, without battery
   /// and floor: 1 when all is as told.
