@@ -8,6 +8,7 @@ usage: killed_in_flight.py GATEFLY REPOSITORY_ROOT FAKE [--strikes program,camer
     FAKE       tests/fake_betaflight_sitl of the build; or Betaflight's simulator, with --memory its eeprom.bin (tests/live/betaflight_4_5.txt); or ArduCopter's,
                with --arducopter
     --ahead    words before the controller's and link-sim's programs: 'chrt -f 20', so that a busy machine does not make them late
+    --camera   a name in cameras/, if not the vehicle's own
     --kept     a file to which every run is added, a line of JSON
     --table    prints the table of such files
 Exit code 0: what must be so is: on the floor within 3 s from 1.5 m, no wall touched, at most 2 m from where it was, no climb, no command held for more than two
@@ -132,6 +133,7 @@ def main():
     parser.add_argument("--memory", default="")
     parser.add_argument("--arducopter", action="store_true")
     parser.add_argument("--ahead", default="")
+    parser.add_argument("--camera", default="")
     parser.add_argument("--strikes", default=",".join(STRIKES))
     parser.add_argument("--runs", type=int, default=10)
     parser.add_argument("--first-seed", type=int, default=1001)
@@ -152,8 +154,8 @@ def main():
             program, root, fake = (pathlib.Path(path).resolve() for path in (options.gatefly, options.root, options.fake))
             ahead = options.ahead.split()
             if options.arducopter:
-                return ArduCopter(program, root, own, fake, ahead=ahead)
-            return Simulated(program, root, own, ahead=ahead, **({"betaflight": fake, "memory": options.memory} if options.memory else {"fake": fake}))
+                return ArduCopter(program, root, own, fake, camera=options.camera, ahead=ahead)
+            return Simulated(program, root, own, camera=options.camera, ahead=ahead, **({"betaflight": fake, "memory": options.memory} if options.memory else {"fake": fake}))
         file = options.drone and pathlib.Path(options.drone).resolve()
         if not file:
             drone = controller()

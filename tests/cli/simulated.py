@@ -77,9 +77,9 @@ class Simulated:
         if betaflight:
             self.ports.update(BETAFLIGHTS_OWN)
             shutil.copy(memory, self.folder / "eeprom.bin")
-            self.controller = self.start(*ahead, betaflight, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            self.betaflight = betaflight
+            self._start_betaflight()
             self.told = ["--hover-stick-us", "1257", "--exponent", "1.66"]
-            time.sleep(1)
         else:
             self.controller = self.start(*ahead, fake, *(word for name in ("servos", "state", "radio") for word in (f"--{name}", self.ports[name])),
                                          "--msp", self.ports["controller"], stderr=subprocess.DEVNULL)
@@ -94,12 +94,28 @@ class Simulated:
         self.camera = ["--camera", f"udp-jpeg:{self.ports['pictures']}"]
         self.world_words, self.ahead = [], ahead
 
+    def _start_betaflight(self):
+        with open(self.folder / "controller.txt", "a", encoding="utf-8") as says:
+            self.controller = self.start(*self.ahead, self.betaflight, stdout=says, stderr=says)
+        time.sleep(1)
+
     def start(self, *words, **more):
         streams = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **more}
         return subprocess.Popen([str(word) for word in words], cwd=self.folder, text=True, env=self.environment, **streams)
 
     def world(self, *words, **more):
-        """link-sim around the controller, once it is ready."""
+        """link-sim around the controller, once it is ready. One start of Betaflight's program in ten tells no motors, nor answers: it is started again."""
+        for again in (True, True, False):
+            try:
+                return self._world(*words, **more)
+            except RuntimeError as error:
+                if not (again and hasattr(self, "betaflight") and "no flight controller tells motors" in str(error)):
+                    raise
+                ended(self.controller)
+                self._start_betaflight()
+        return None
+
+    def _world(self, *words, **more):
         ports = [word for name in PORTS for word in (f"--{name}", self.ports[name])]
         with open(self.folder / "world.txt", "w", encoding="utf-8") as says:
             process = self.start(*self.ahead, self.gatefly, "link-sim", self.track, *self.configs, *self.world_words, "--set", "sim.camera_quality=fast", *ports, *words, stderr=says, **more)
