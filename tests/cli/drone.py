@@ -15,13 +15,15 @@ DRONE = ROOT / "tests" / "live" / "fake_drone.toml"
 FAKE = os.environ.get("GATEFLY_FAKE_BETAFLIGHT", "")
 PERIOD = 0.025  # s, of stick frames
 FAR_GATE = ROOT / "tests" / "live" / "far_gate.toml"  # the pictures of these tests are grey: with a gate near by it would not fly on
-# 160 x 315 as stored: the size of a Bebop's pictures. Stands still once there is a file called frozen.
+# Packets of GStreamer's data protocol on file 3, 160 x 315 as stored: the size of a Bebop's pictures. Stands still once there is a file called frozen.
 GREY_STREAM = """#!/usr/bin/env python3
-import os, sys, time
+import os, struct, time
+out = os.fdopen(3, "wb")
+grey = bytes([128] * (2 * 160 * 315))
 while True:
     if not os.path.exists("frozen"):
-        sys.stdout.buffer.write(bytes([128] * (2 * 160 * 315)))
-        sys.stdout.flush()
+        out.write(struct.pack(">BBBBHIQ44x", 1, 0, 0, 0, 1, len(grey), time.monotonic_ns()) + grey)
+        out.flush()
     time.sleep(0.033)
 """
 

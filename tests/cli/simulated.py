@@ -105,15 +105,15 @@ class Simulated:
 
     def world(self, *words, **more):
         """link-sim around the controller, once it is ready. One start of Betaflight's program in ten tells no motors, nor answers: it is started again."""
-        for again in (True, True, False):
+        for _ in range(2 if hasattr(self, "betaflight") else 0):
             try:
                 return self._world(*words, **more)
             except RuntimeError as error:
-                if not (again and hasattr(self, "betaflight") and "no flight controller tells motors" in str(error)):
+                if "no flight controller tells motors" not in str(error):
                     raise
                 ended(self.controller)
                 self._start_betaflight()
-        return None
+        return self._world(*words, **more)
 
     def _world(self, *words, **more):
         ports = [word for name in PORTS for word in (f"--{name}", self.ports[name])]

@@ -179,12 +179,17 @@ TEST_F(EveryKey, OfRandomizeChangesOneDeviationAndNoOther) {
   }
 }
 
-TEST_F(EveryKey, ALensOfOneKeyLeavesTheOther) {
+TEST_F(EveryKey, OfLensesIsItsOwnWhereBothAreNamed) {
   const auto both = randomized({}, {{"camera_k", 0.02}, {"camera_k1_percent", 13.0}}, "here");
   EXPECT_EQ(both.camera_k, 0.02);
   EXPECT_EQ(both.camera_k1, 0.13);
-  EXPECT_EQ(randomized({}, {{"camera_k", 0.1}}, "here").camera_k1, 0.1);
   EXPECT_EQ(randomized({}, {{"camera_k1_percent", 13.0}}, "here").camera_k, 0.0);
+}
+
+TEST_F(EveryKey, CameraKAloneIsOfEveryLens) {
+  world::Randomize of_a_track;
+  of_a_track.camera_k1 = 0.13;
+  EXPECT_EQ(randomized(of_a_track, {{"camera_k", 0.1}}, "here").camera_k1, 0.1);
 }
 
 TEST_F(EveryKey, RefusesWhatItMayNotHoldNamingFileKeyAndValue) {

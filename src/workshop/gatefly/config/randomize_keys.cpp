@@ -46,7 +46,7 @@ std::vector<Key<world::Randomize>> make_keys() {
           "camera_k", "k of Dhane's lens; a pinhole's is 1", 0.3,
           [](auto& r) -> auto& { return r.camera_k; }),
       sigma(
-          "camera_k1_percent", "first distortion coefficient of the polynomial lenses", 100,
+          "camera_k1_percent", "first distortion coefficient of the polynomial lenses", 30,
           [](auto& r) -> auto& { return r.camera_k1; }, kPercent),
       sigma(
           "camera_tilt_deg", "mount angles of the camera", 20,

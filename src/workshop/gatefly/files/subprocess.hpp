@@ -9,7 +9,7 @@
 
 namespace gatefly::files {
 
-/// Open files that become a program's stdin, stdout and stderr, -1: nothing; and its file 3, -1: it has none.
+/// Open files that become a program's stdin, stdout and stderr, -1: nothing; and its file 3, -1: as it comes.
 struct Streams {
   int input = -1, output = -1, errors = -1, third = -1;
 };

@@ -16,7 +16,7 @@ struct PacketHeader {
   bool is_picture = false;  ///< A buffer; else what a format or an event is told by.
   std::size_t size = 0;     ///< Bytes of payload that follow.
   std::chrono::nanoseconds stamp{
-      -1};  ///< When a picture was exposed, by the clock of the pipeline; -1: it has no stamp.
+      -1};  ///< Of its source, by the pipeline's clock: of exposure, or of arrival there; -1: none.
 };
 
 /// Bytes as they come.

@@ -109,7 +109,7 @@ PacketHeader StreamCamera::checked(const std::optional<PacketHeader>& header) co
 }
 
 Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
-  while (true) {
+  do {
     if (!packet_) {
       if (const Got got = fill(header_, deadline); got != Got::kPicture) return got;
       packet_ = checked(packet_header(header_));
@@ -125,14 +125,16 @@ Camera::Got StreamCamera::next(Picture& picture, Moment deadline) {
     picture.stored_width = size_.width, picture.stored_height = size_.height;
     picture.number = count_++;
     return Got::kPicture;
-  }
+  } while (Clock::now() < deadline);
+  return Got::kNothing;
 }
 
 std::string StreamCamera::why() const {
   const std::string last = files::last_line(messages_.get());
-  return last.find("gdppay") == std::string::npos
-             ? last
-             : last + " (apt-get install gstreamer1.0-plugins-bad)";
+  // The element's name; one that there is would be gdppay0.
+  const auto missing = last.find("gdppay");
+  const bool is_missing = missing != std::string::npos && last.compare(missing, 7, "gdppay0") != 0;
+  return is_missing ? last + " (apt-get install gstreamer1.0-plugins-bad)" : last;
 }
 
 }  // namespace gatefly::live

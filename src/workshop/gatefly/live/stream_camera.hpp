@@ -27,7 +27,7 @@ class StreamCamera : public Camera {
   StreamCamera(const StreamCamera&) = delete;
   StreamCamera& operator=(const StreamCamera&) = delete;
 
-  /// @throws std::runtime_error one line: what comes is not what the pipeline's last element writes, or no picture of the camera's size.
+  /// @throws std::runtime_error one line: what comes is not what the pipeline's last element writes, or no picture of the camera's size; nothing more can be read then.
   Got next(Picture& picture, Moment deadline) override;
   [[nodiscard]] std::string why() const override;
 
@@ -35,13 +35,13 @@ class StreamCamera : public Camera {
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
-  StoredSize size_;
-  std::unique_ptr<std::FILE, Close> messages_;  ///< Its messages, in an unnamed file.
-  std::optional<Port> pipe_;
   /// Fills `room` from the pipe, from where it was left.
   Got fill(std::span<std::uint8_t> room, Moment deadline);
   [[nodiscard]] PacketHeader checked(const std::optional<PacketHeader>& header) const;
 
+  StoredSize size_;
+  std::unique_ptr<std::FILE, Close> messages_;  ///< Its messages, in an unnamed file.
+  std::optional<Port> pipe_;
   pid_t program_ = -1;
   PacketBytes header_{};
   std::optional<PacketHeader> packet_;  ///< The one whose payload is being read.
