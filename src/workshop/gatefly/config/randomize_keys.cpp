@@ -183,7 +183,7 @@ world::Randomize randomized(const world::Randomize& base, const nlohmann::json& 
       table.contains("level") ? world::randomize_level(table.at("level").get<std::string>()) : base;
   for (const auto& [key, value] : table.items())
     if (const auto* known = find(key)) known->set(result, value);
-  // Until 0.2 there was one key for both.
+  // Version 0.2 had one key for both.
   if (table.contains("camera_k") && !table.contains("camera_k1_percent"))
     result.camera_k1 = result.camera_k;
   return result;

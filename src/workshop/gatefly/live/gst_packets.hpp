@@ -15,8 +15,8 @@ namespace gatefly::live {
 struct PacketHeader {
   bool is_picture = false;  ///< A buffer; else what a format or an event is told by.
   std::size_t size = 0;     ///< Bytes of payload that follow.
-  std::chrono::nanoseconds stamp{
-      -1};  ///< Of its source, by the pipeline's clock: of exposure, or of arrival there; -1: none.
+  /// Of its source, by the pipeline's clock: of exposure, or of arrival there; -1: none.
+  std::chrono::nanoseconds stamp{-1};
 };
 
 /// Bytes as they come.
