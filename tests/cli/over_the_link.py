@@ -3,7 +3,7 @@
 """Races that `gatefly run` flies behind a flight controller's program and `gatefly link-sim`, one seed after another, in real time; leave both cores to it.
 
 usage: over_the_link.py GATEFLY REPOSITORY_ROOT CONTROLLER [--memory eeprom.bin | --arducopter | --px4 FAKE_BETAFLIGHT | --ts002] [--track oval] [--camera NAME] [--first-seed 4901] [--runs 10]
-                        [--loss 0.02] [--reorder 0.02] [--ahead 'chrt -f 20'] [--kept FILE]
+                        [--loss 0.02] [--reorder 0.02] [--ahead 'chrt -f 45'] [--kept FILE]
     CONTROLLER       tests/fake_betaflight_sitl; or Betaflight's simulator with --memory (tests/live/betaflight_4_5.txt); or ArduCopter's with --arducopter; or the
                      folder in which PX4 was built with --px4, and tests/fake_betaflight, which signs its drone file; with --ts002 link-sim speaks TS-002 and there is none: any word
     --kept           a file to which every race is added, a line of JSON; races that are in it are not flown again
@@ -63,7 +63,7 @@ def main():
     parser.add_argument("--time-limit", type=float, default=180)
     parser.add_argument("--loss", type=float, default=0)
     parser.add_argument("--reorder", type=float, default=0)
-    parser.add_argument("--ahead", default="", help="words before the controller's and link-sim's programs: 'chrt -f 20', so that a busy machine does not make them late")
+    parser.add_argument("--ahead", default="", help="words before the controller's and link-sim's programs: 'chrt -f 45', so that nothing makes them late")
     parser.add_argument("--kept")
     parser.add_argument("--drone", help="a drone.toml with a passed hand-over test; without it, one is made")
     parser.add_argument("--keep-folders", help="where the flights' folders go")

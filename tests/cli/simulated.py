@@ -71,7 +71,7 @@ class Simulated:
 
     def __init__(self, gatefly, root, folder, fake="", betaflight="", memory="", track="oval", camera="", ahead=()):
         """fake: the fake's program. betaflight: instead, Betaflight's, with the memory (eeprom.bin) that it was set up in. camera: a name in cameras/, if not
-        the vehicle's own. ahead: words before the controller's and link-sim's programs, e.g. `chrt -f 20`: a flight controller is never late."""
+        the vehicle's own. ahead: words before the controller's and link-sim's programs, e.g. `chrt -f 45`: a flight controller is never late."""
         self._around(gatefly, root, folder, track, camera, ahead)
         self.configs = [*DRONE, *camera_words(camera)]
         if betaflight:

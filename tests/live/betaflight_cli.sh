@@ -14,7 +14,7 @@ while read -r line; do
   printf '%s\n' "$line" >&3
   sleep 0.05
 done <"$2"
-answer="$(timeout 1 cat <&3 | tr -d '\r')" || true
+answer="$(timeout 3 cat <&3 | tr -d '\r')" || true
 if grep -iE 'invalid|unknown|error' <<<"$answer"; then exit 1; fi
 grep -q 'set to' <<<"$answer" || { echo "betaflight_cli.sh: 127.0.0.1:$1: no command line answers" >&2; exit 1; }
 # It restarts now. Who hangs up first cannot be called again for a minute: that is we.

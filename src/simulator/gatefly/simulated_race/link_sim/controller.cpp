@@ -17,6 +17,8 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kSilence = 0.5;  ///< [s]
+constexpr int kMostOwed = 2;      ///< A rate loop has a margin of some milliseconds.
+constexpr auto kIsGone = 100ms;
 
 /// Betaflight's simulator target.
 ///
@@ -44,6 +46,7 @@ class BetaflightEnd : public Controller {
     betaflight_sitl::State state = told;
     state.time = stamp_ += kBetweenStamps;
     sensors_.send(betaflight_sitl::encode_state(state, release_));
+    asked(live::Clock::now());
   }
   void hear_radio(std::chrono::nanoseconds time, const msp::Sticks& sticks,
                   const std::array<std::uint16_t, 12>& switches) override {
@@ -107,6 +110,14 @@ class ArduPilotEnd : public Controller {
 
 bool Controller::turn() const {
   return std::all_of(motors_.begin(), motors_.end(), [](double part) { return part > 0.0; });
+}
+
+std::chrono::nanoseconds Controller::silence(live::Moment now) const {
+  return owes_ > 0 ? now - asked_at_ : 0ns;
+}
+
+bool Controller::lags(live::Moment now) const {
+  return turn() && owes_ > kMostOwed && silence(now) < kIsGone;
 }
 
 void Controller::stop_if_silent(double now) {
