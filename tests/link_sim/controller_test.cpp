@@ -47,6 +47,18 @@ TEST_F(ControllerThatOwes, LagsFromTheThirdStepOn) {
   EXPECT_EQ(controller_.silence(now_ + 6ms), 0ns);
 }
 
+TEST_F(ControllerThatOwes, MayBeOneThatAnswersEveryFourthStep) {
+  for (int i = 0; i < 1000; ++i) {
+    controller_.answers(1000.0F);
+    is_asked(4);
+  }
+  controller_.answers(1400.0F);
+  is_asked(7);
+  EXPECT_FALSE(controller_.lags(now_ + 10ms));
+  is_asked(1);
+  EXPECT_TRUE(controller_.lags(now_ + 10ms));
+}
+
 TEST_F(ControllerThatOwes, IsNotWaitedForWhenItIsGone) {
   controller_.answers(1400.0F);
   is_asked(3);

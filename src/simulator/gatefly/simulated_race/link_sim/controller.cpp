@@ -17,7 +17,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kSilence = 0.5;  ///< [s]
-constexpr int kMostOwed = 2;      ///< A rate loop has a margin of some milliseconds.
 constexpr auto kIsGone = 100ms;
 
 /// Betaflight's simulator target.
@@ -117,7 +116,9 @@ std::chrono::nanoseconds Controller::silence(live::Moment now) const {
 }
 
 bool Controller::lags(live::Moment now) const {
-  return turn() && owes_ > kMostOwed && silence(now) < kIsGone;
+  // A step of a millisecond later than usual: a rate loop has a margin of some milliseconds.
+  const double usual = answers_ > 0 ? double(questions_) / double(answers_) : 1.0;
+  return turn() && owes_ > 1.0 + 1.5 * usual && silence(now) < kIsGone;
 }
 
 void Controller::stop_if_silent(double now) {

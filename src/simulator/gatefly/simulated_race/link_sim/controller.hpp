@@ -42,7 +42,7 @@ class Controller {
   [[nodiscard]] bool ever() const { return last_.has_value(); }
   /// How long what its sensors felt has had no answer, at `now`. Of those that answer each time; 0: of others.
   [[nodiscard]] std::chrono::nanoseconds silence(live::Moment now) const;
-  /// It flies, owes answers for the last steps, and has not fallen silent for good: this machine keeps its program waiting, as nothing
+  /// It flies, owes answers for more steps than it usually does, and has not fallen silent for good: this machine keeps its program waiting, as nothing
   /// keeps a controller's own chip.
   [[nodiscard]] bool lags(live::Moment now) const;
 
@@ -50,6 +50,7 @@ class Controller {
   /// Pulses [µs] at `now`, each from the place that `theirs` names for ours.
   template <class Pulse>
   void told(std::span<const Pulse> pulses, const std::array<std::size_t, 4>& theirs, double now) {
+    if (ever() && !turn()) ++answers_;
     for (std::size_t i = 0; i < 4; ++i) motors_[i] = part_of(double(pulses[theirs[i]]));
     last_ = now;
     owes_ = 0;
@@ -57,6 +58,7 @@ class Controller {
   /// It was told what its sensors feel, and will answer.
   void asked(live::Moment at) {
     if (owes_++ == 0) asked_at_ = at;
+    if (ever() && !turn()) ++questions_;
   }
   /// A speed controller stops its motor when nothing comes.
   void stop_if_silent(double now);
@@ -66,7 +68,8 @@ class Controller {
 
   std::array<double, 4> motors_{};
   std::optional<double> last_;
-  int owes_ = 0;  ///< Answers.
+  int owes_ = 0;                      ///< Answers.
+  long questions_ = 0, answers_ = 0;  ///< Before it flew: how many steps it takes for an answer.
   live::Moment asked_at_{};
 };
 
