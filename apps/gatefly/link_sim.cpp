@@ -69,9 +69,7 @@ void print_outcome(const std::string& track, std::uint64_t seed, const link_sim:
   line("speed", (r.gates_passed > 1 ? fixed(r.mean_speed, 2) : "–") + " m/s mean");
   line("pictures", std::to_string(r.pictures) + ", " + std::to_string(r.pictures_late) + " late, " +
                        std::to_string(r.pictures_left_out) + " left out");
-  line("longest stall", fixed(1e3 * r.longest_stall, 0) + " ms; the controller was silent for " +
-                            fixed(1e3 * r.longest_silence, 0) +
-                            " ms at most, time stood still for " + fixed(r.stood_still, 2) + " s");
+  line("longest stall", fixed(1e3 * r.longest_stall, 0) + " ms");
 }
 
 nlohmann::ordered_json told(const std::string& track, std::uint64_t seed,
@@ -93,9 +91,7 @@ nlohmann::ordered_json told(const std::string& track, std::uint64_t seed,
           {"pictures", r.pictures},
           {"pictures_late", r.pictures_late},
           {"pictures_left_out", r.pictures_left_out},
-          {"longest_stall_ms", 1e3 * r.longest_stall},
-          {"longest_silence_ms", 1e3 * r.longest_silence},
-          {"stood_still_s", r.stood_still}};
+          {"longest_stall_ms", 1e3 * r.longest_stall}};
 }
 
 /// gatefly link-sim: exit 0 finished and landed, 1 not, 2 unusable input, 130 Ctrl-C.

@@ -17,7 +17,6 @@ namespace {
 using namespace std::chrono_literals;
 
 constexpr double kSilence = 0.5;  ///< [s]
-constexpr auto kIsGone = 100ms;
 
 /// Betaflight's simulator target.
 ///
@@ -45,7 +44,6 @@ class BetaflightEnd : public Controller {
     betaflight_sitl::State state = told;
     state.time = stamp_ += kBetweenStamps;
     sensors_.send(betaflight_sitl::encode_state(state, release_));
-    asked(live::Clock::now());
   }
   void hear_radio(std::chrono::nanoseconds time, const msp::Sticks& sticks,
                   const std::array<std::uint16_t, 12>& switches) override {
@@ -109,16 +107,6 @@ class ArduPilotEnd : public Controller {
 
 bool Controller::turn() const {
   return std::all_of(motors_.begin(), motors_.end(), [](double part) { return part > 0.0; });
-}
-
-std::chrono::nanoseconds Controller::silence(live::Moment now) const {
-  return owes_ > 0 ? now - asked_at_ : 0ns;
-}
-
-bool Controller::lags(live::Moment now) const {
-  // A step of a millisecond later than usual: a rate loop has a margin of some milliseconds.
-  const double usual = answers_ > 0 ? double(questions_) / double(answers_) : 1.0;
-  return turn() && owes_ > 1.0 + 1.5 * usual && silence(now) < kIsGone;
 }
 
 void Controller::stop_if_silent(double now) {

@@ -9,7 +9,6 @@
 #include <span>
 
 #include "gatefly/link/betaflight_sitl.hpp"
-#include "gatefly/live/clock.hpp"
 #include "gatefly/sim/body_state.hpp"
 #include "gatefly/world/sim_config.hpp"
 
@@ -40,25 +39,13 @@ class Controller {
   virtual void cut() {}
   /// It has told its motors something.
   [[nodiscard]] bool ever() const { return last_.has_value(); }
-  /// How long what its sensors felt has had no answer, at `now`. Of those that answer each time; 0: of others.
-  [[nodiscard]] std::chrono::nanoseconds silence(live::Moment now) const;
-  /// It flies, owes answers for more steps than it usually does, and has not fallen silent for good: this machine keeps its program waiting, as nothing
-  /// keeps a controller's own chip.
-  [[nodiscard]] bool lags(live::Moment now) const;
 
  protected:
   /// Pulses [µs] at `now`, each from the place that `theirs` names for ours.
   template <class Pulse>
   void told(std::span<const Pulse> pulses, const std::array<std::size_t, 4>& theirs, double now) {
-    if (ever() && !turn()) ++answers_;
     for (std::size_t i = 0; i < 4; ++i) motors_[i] = part_of(double(pulses[theirs[i]]));
     last_ = now;
-    owes_ = 0;
-  }
-  /// It was told what its sensors feel, and will answer.
-  void asked(live::Moment at) {
-    if (owes_++ == 0) asked_at_ = at;
-    if (ever() && !turn()) ++questions_;
   }
   /// A speed controller stops its motor when nothing comes.
   void stop_if_silent(double now);
@@ -68,9 +55,6 @@ class Controller {
 
   std::array<double, 4> motors_{};
   std::optional<double> last_;
-  int owes_ = 0;                      ///< Answers.
-  long questions_ = 0, answers_ = 0;  ///< Before it flew: how many steps it takes for an answer.
-  live::Moment asked_at_{};
 };
 
 /// The one that the parameters name, in a seed's drone. @throws std::runtime_error one line: a port is taken.

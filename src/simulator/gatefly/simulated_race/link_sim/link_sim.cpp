@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "gatefly/simulated_race/link_sim/link_sim.hpp"
 
-#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <optional>
@@ -58,15 +57,6 @@ Outcome fly(const world::SimConfig& config, int laps, const LinkSimParams& param
     }
 
     controller->listen(drone.time());
-    if (const live::Moment now = live::Clock::now(); controller->turn()) {
-      outcome.longest_silence = std::max(
-          outcome.longest_silence, std::chrono::duration<double>(controller->silence(now)).count());
-      // Physics that goes on while the controller's program waits for this machine turns the drone over.
-      if (controller->lags(now)) {
-        pace.stand_still();
-        continue;
-      }
-    }
     drone.step(controller->motors(), kStep);
     controller->feel(drone.told(), drone.state());
     pictures.remember({drone.time(), drone.state().p_EB, drone.state().q_EB}, pace.start());
@@ -118,7 +108,6 @@ Outcome fly(const world::SimConfig& config, int laps, const LinkSimParams& param
     }
   }
   outcome.longest_stall = pace.longest_stall();
-  outcome.stood_still = pace.stood_still();
   outcome.finished = drone.finished();
   outcome.landed = outcome.reason == "landed";
   outcome.gates_passed = static_cast<int>(drone.passes().size());

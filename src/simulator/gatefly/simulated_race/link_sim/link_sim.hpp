@@ -73,9 +73,7 @@ struct Outcome {
   std::vector<Eigen::Vector2d> gate_offsets;  ///< Right, down of the middle at each pass [m].
   Eigen::Vector3d last_p_EB = Eigen::Vector3d::Zero();
   long pictures = 0, pictures_left_out = 0, pictures_late = 0;
-  double longest_stall = 0.0;    ///< By which the physics was behind the clock [s].
-  double longest_silence = 0.0;  ///< Of a controller that flies [s].
-  double stood_still = 0.0;      ///< By which the flight lasted longer for both [s].
+  double longest_stall = 0.0;  ///< By which the physics was behind the clock [s].
 };
 
 /// Flies a seed's drone by somebody else's flight controller and program, in real time: physics a thousand times a

@@ -20,12 +20,7 @@ class Pace {
     std::this_thread::sleep_until(due);
     const auto behind = live::Clock::now() - due;
     longest_stall_ = std::max(longest_stall_, std::chrono::duration<double>(behind).count());
-    if (behind > kMostBehind) put_off(behind);
-  }
-  /// The step that was waited for is not taken now, but a step later: time stands still.
-  void stand_still() {
-    --steps_;
-    put_off(kStep);
+    if (behind > kMostBehind) start_ += behind;
   }
   /// When the steps' time was 0.
   [[nodiscard]] live::Moment start() const { return start_; }
@@ -33,23 +28,12 @@ class Pace {
   [[nodiscard]] bool every(long count) const { return (steps_ - 1) % count == 0; }
   /// By which a step was behind the clock [s].
   [[nodiscard]] double longest_stall() const { return longest_stall_; }
-  /// All that was not made up for, and all that it stood still [s].
-  [[nodiscard]] double stood_still() const {
-    return std::chrono::duration<double>(stood_still_).count();
-  }
 
  private:
-  /// More is not made up for: the flight lasts longer then. Steps that are taken at once are steps for which the controller has not decided anything.
-  static constexpr std::chrono::milliseconds kMostBehind{5};
-
-  void put_off(live::Clock::duration by) {
-    start_ += by;
-    stood_still_ += by;
-  }
-
+  /// More is not made up for: the flight lasts longer then.
+  static constexpr std::chrono::milliseconds kMostBehind{50};
   live::Moment start_ = live::Clock::now();
   long steps_ = 0;
-  live::Clock::duration stood_still_{0};
   double longest_stall_ = 0.0;
 };
 
