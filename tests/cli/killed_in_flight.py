@@ -167,13 +167,14 @@ def main():
             done, seeds = 0, itertools.count(options.first_seed)
             while done < options.runs:
                 seed = next(seeds)
-                for last in (False, False, False, True):
+                for last in (False, True):
                     drone = controller()
                     try:
                         rows, delay, outcome = flown(drone, file, strike, seed, seconds_of(seed, options.delay))
                         break
                     except RuntimeError as error:
-                        if last or "has not said 'handed over'" not in str(error):  # one start of Betaflight's program in twenty does not answer
+                        # Betaflight's program did so in 3 of some 100 flights, why is not known. Whatever else keeps `run` from flying is an error.
+                        if last or not any(silence in str(error) for silence in ("nobody answers to MSP", "has closed the connection")):
                             raise
                     finally:
                         ended(drone.controller)

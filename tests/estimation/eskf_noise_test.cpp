@@ -63,6 +63,43 @@ TEST(EskfVibration, OneBrokenSampleIsNone) {
   EXPECT_LT(vibration.accel(), 1.05 * before);
 }
 
+// An autopilot's IMU at 50 Hz, shaking with `times` the least variance that is reckoned with.
+struct SlowFlight {
+  Rng rng{7};
+  Noise noise;
+  Vibration vibration{noise, true};
+
+  void go(double seconds, double times) {
+    constexpr double kHz = 50.0;
+    const double sigma = std::sqrt(times * (2.0 * noise.accel + noise.accel_z) * kHz / 3.0);
+    for (int i = 0; i < static_cast<int>(seconds * kHz); ++i) {
+      const Vector3d shaken{normal(rng), normal(rng), normal(rng)};
+      vibration.add({{1e-6 * shaken, sigma * shaken + Vector3d{0, 0, -9.8}}, 1.0 / kHz});
+    }
+  }
+};
+
+TEST(EskfVibration, OfASlowImuIsBelievedWhenRotorsStartAndForgottenLater) {
+  SlowFlight flight;
+  flight.go(1.0, 0.0);
+  EXPECT_EQ(flight.vibration.accel(), 1.0);
+  flight.go(0.4, 30.0);
+  EXPECT_GT(flight.vibration.accel(), 15.0);
+  flight.go(0.2, 0.0);
+  EXPECT_GT(flight.vibration.accel(), 10.0);
+  flight.go(5.0, 0.0);
+  EXPECT_LT(flight.vibration.accel(), 1.5);
+}
+
+TEST(EskfVibration, OneBrokenSampleOfASlowImuIsForgottenWithinASecond) {
+  SlowFlight flight;
+  flight.go(3.0, 10.0);
+  const double before = flight.vibration.accel();
+  flight.vibration.add({{Vector3d::Zero(), Vector3d{300.0, -300.0, 300.0}}, 1.0 / 50.0});
+  flight.go(1.0, 10.0);
+  EXPECT_LT(flight.vibration.accel(), 3.0 * before);
+}
+
 // A camera that knows where it is looks at a gate whose corners are found `times` as far off as told.
 double spread_after(double times, int pictures) {
   Rng rng{11};
