@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 // A clock that goes slowly, for programs that a machine is too slow for in real time: LD_PRELOAD=libslow_clock.so SLOW_CLOCK=0.5 has a program count half a
-// second for each that passes, and sleep twice as long. So do all programs that it starts: put it before tests/cli/over_the_link.py.
+// second for each that passes, and sleep twice as long. So do programs that it starts: put it before tests/cli/over_the_link.py.
 //
-// The monotonic clocks only: times of day and of the processor are what they are.
+// For gatefly, Betaflight's simulator and Python, which wait by these functions: ways to wait that are not among them (conditions, usleep, ppoll, epoll) are
+// as long as ever, so that it is of no use to PX4 and ArduCopter. The monotonic clocks only: times of day are what they are.
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <ctime>
+#include <limits>
 
 #include <dlfcn.h>
 #include <poll.h>
@@ -38,7 +41,7 @@ const Real& real() {
     find(all.wait_any, "select");
     const char* const told = std::getenv("SLOW_CLOCK");
     const double asked = told != nullptr ? std::atof(told) : 1.0;
-    all.pace = asked > 0.0 && asked <= 1.0 ? asked : 1.0;
+    all.pace = asked >= 0.01 && asked <= 1.0 ? asked : 1.0;
     return all;
   }();
   return found;
@@ -82,7 +85,10 @@ int clock_nanosleep(clockid_t id, int flags, const timespec* wanted, timespec* l
 }
 
 int poll(pollfd* files, nfds_t count, int milliseconds) {
-  const int longer = milliseconds > 0 ? static_cast<int>(milliseconds / real().pace) : milliseconds;
+  constexpr double kLongest = std::numeric_limits<int>::max();
+  const int longer = milliseconds > 0
+                         ? static_cast<int>(std::min(milliseconds / real().pace, kLongest))
+                         : milliseconds;
   return real().wait(files, count, longer);
 }
 
@@ -90,7 +96,10 @@ int select(int count, fd_set* in, fd_set* out, fd_set* odd, timeval* limit) {
   if (limit == nullptr) return real().wait_any(count, in, out, odd, nullptr);
   const timespec longer = scaled({limit->tv_sec, limit->tv_usec * 1000}, 1.0 / real().pace);
   timeval until{longer.tv_sec, longer.tv_nsec / 1000};
-  return real().wait_any(count, in, out, odd, &until);
+  const int ready = real().wait_any(count, in, out, odd, &until);
+  const timespec left = scaled({until.tv_sec, until.tv_usec * 1000}, real().pace);
+  *limit = {left.tv_sec, left.tv_nsec / 1000};  // as Linux does
+  return ready;
 }
 
 }  // extern "C"

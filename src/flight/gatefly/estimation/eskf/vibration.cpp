@@ -13,8 +13,9 @@ using Eigen::Vector3d;
 constexpr double kTurns = 0.5;
 constexpr double kMostSlow = 200.0;  // [ours: a raw gyro at 25 Hz has 70]
 // A slow IMU's vibration is believed so much sooner where it grows: rotors shake at once, and a filter
-// that takes a second to believe it refuses the pictures that would hold it. [ours: 23 flights behind
-// Betaflight's simulator: height .25 -> .20 m RMS]
+// that takes a second to believe it refuses the pictures that would hold it. What is steady counts as
+// 1.9 times what it is, because peaks are followed and dips are not: the safe side. [ours: 23 flights
+// behind Betaflight's simulator: height .25 -> .20 m RMS]
 constexpr double kSooner = 10.0;
 
 // The white part's variance, all axes together, of samples in a row.
@@ -53,10 +54,9 @@ void Vibration::add(const Sample& sample) {
     const double gain = std::min(1.0, sample.dt / lasts_);
     const auto follow = [&](double& factor, double seen) {
       // One bad sample is not vibration, and is in up to four differences: each counts as no more than
-      // ten times what is usual, or three times where it is believed so soon.
-      const bool soon = slow_ && seen > factor;
-      const double part = soon ? std::min(1.0, kSooner * gain) : gain, most = soon ? 3.0 : 10.0;
-      factor += part * (std::min(seen, most * factor) - factor);
+      // ten times what is usual; three times where growth is believed so soon, which makes 3.8 of it.
+      const double part = slow_ && seen > factor ? std::min(1.0, kSooner * gain) : gain;
+      factor += part * (std::min(seen, (slow_ ? 3.0 : 10.0) * factor) - factor);
       factor = std::clamp(factor, least_, most_);
     };
     follow(accel_, white(&Imu::accel_B) / usual_.accel);

@@ -14,7 +14,8 @@ namespace gatefly::eskf {
 /// σ² they have 6 σ², of a motion of frequency ω its (ω dt)⁴. Of an autopilot's slow IMU third ones are
 /// taken, with 20 σ² and (ω dt)⁶: vibration that is folded down by aliasing moves velocity and attitude
 /// as white noise does, so that what they show is compared with those densities themselves. Less than
-/// these a low-passed IMU cannot show; more is believed at once, less after a while. No clock, no libm.
+/// these a low-passed IMU cannot show; half of what begins is believed within a quarter of a second, so that
+/// what is steady counts as twice what it is. No clock, no libm.
 class Vibration {
  public:
   explicit Vibration(const Noise& noise, bool slow = false);
