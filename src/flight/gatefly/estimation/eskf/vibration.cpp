@@ -9,7 +9,8 @@ namespace {
 using Eigen::Vector3d;
 
 // A slow gyro's white part, of which so much turns the attitude: the rest, lines of the rotors folded to
-// anywhere and rumble, comes back to zero. [ours: NEES / 3 is 1 with a half, .8 with all]
+// anywhere and rumble, comes back to zero. [ours: NEES / 3 was 1 with a half, .8 with
+// all, before peaks counted more than dips; 1.1 with a half since]
 constexpr double kTurns = 0.5;
 constexpr double kMostSlow = 200.0;  // [ours: a raw gyro at 25 Hz has 70]
 // A slow IMU's vibration is believed so much sooner where it grows: rotors shake at once, and a filter
